@@ -139,6 +139,47 @@ TEST(ReferencePoints, AnyPointOfTheFloorHasTheSameIrradiance) {
   EXPECT_FALSE(referenceAt(*mirror, *path, classes, point, {0, 0, 1}, 16, 1, stop));
 }
 
+TEST(ReferencePoints, APointOffTheSurfaceHasTheIrradianceOfTheSurface) {
+  // A chord of 5° of a sphere of radius 5 is up to 0.1 below it; a plate is at some distance above it.
+  const auto scene =
+      sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 10\nShape \"sphere\" \"float radius\" 5\n");
+  const auto path = integratorFrom("simplepath", "");
+  const PathClasses classes(std::vector<PathClass>{{"light", "all"}});
+  const std::atomic<bool> stop{false};
+  const Vec3f normal(std::sin(REFERENCE_ANGLE), 0, std::cos(REFERENCE_ANGLE)); // towards the light
+  const Vec3f surface = Vec3f(0, 0, 10) + 5.0f * normal - Vec3f(scene->origin());
+  const float reach = 0.02f * scene->bounds().radius;
+  for (const float height : {-0.9f, -0.5f, -0.01f, 0.0f, 0.01f, 0.9f}) {
+    const Vec3f point = surface + normal * (height * reach);
+    const auto found = referenceAt(*scene, *path, classes, point, normal, 16, 1, stop);
+    ASSERT_TRUE(found) << height;
+    EXPECT_NEAR(glm::length(found->position - surface), 0, 1e-4f) << height;
+    EXPECT_NEAR(double(found->irradiance.r), REFERENCE_FLUX, 1e-3 * REFERENCE_FLUX) << height;
+    // The inside is dark.
+    const auto inside = referenceAt(*scene, *path, classes, point, -normal, 16, 1, stop);
+    ASSERT_TRUE(inside) << height;
+    EXPECT_EQ(inside->irradiance, BLACK) << height;
+  }
+  for (const float height : {-1.1f, 1.1f})
+    EXPECT_FALSE(
+        referenceAt(*scene, *path, classes, surface + normal * (height * reach), normal, 16, 1, stop));
+}
+
+TEST(ReferencePoints, TheFrontOfAThinSphereIsNotItsBack) {
+  // The position is nearer to the back of the sphere than to its front.
+  const auto scene =
+      sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 3\nShape \"sphere\" \"float radius\" .01\n");
+  const auto path = integratorFrom("simplepath", "");
+  const PathClasses classes(std::vector<PathClass>{{"light", "all"}});
+  const std::atomic<bool> stop{false};
+  const Vec3f normal(std::sin(REFERENCE_ANGLE), 0, std::cos(REFERENCE_ANGLE));
+  const Vec3f centre = Vec3f(0, 0, 3) - Vec3f(scene->origin());
+  const auto found = referenceAt(*scene, *path, classes, centre - normal * 0.003f, normal, 16, 1, stop);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(glm::length(found->position - (centre + normal * 0.01f)), 0, 1e-4f);
+  EXPECT_NEAR(double(found->irradiance.r), REFERENCE_FLUX, 1e-3 * REFERENCE_FLUX);
+}
+
 TEST(ReferencePoints, OnlyTheLightOfTheClassCounts) {
   const auto scene = sceneFrom(litFloor("\"diffuse\""));
   const std::vector<ReferencePoint> found = referencesOf(*scene, "L(S|D)+DE");

@@ -72,7 +72,8 @@ class RenderPause {
   /** The integrator, with the photons of its latest pass. */
   virtual const Integrator& integrator() const = 0;
   /** Records the latest samples of a pixel that the latest pass serves, at most `count`, as they were
-   * rendered; the film does not change. The pixel must be within the crop window. */
+   * rendered; the film does not change. With adaptive samples or a range of samples, the pixel's own samples
+   * may be others: then those of these numbers are recorded. The pixel must be within the crop window. */
   virtual void record(int x, int y, int64_t count, PathRecorder& recorder) const = 0;
 };
 

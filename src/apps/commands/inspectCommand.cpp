@@ -93,6 +93,20 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
   return referencePoints(*loaded.scene, *path, ofPhotons, inspection.pixels, samples, seed, stop);
 }
 
+/** Adds the patches of radiosity and their form factors, if the integrator has them. */
+void addPatches(const LoadedScene& loaded, bool quiet, uint64_t seed, const std::atomic<bool>& stop,
+                Inspection& inspection) {
+  loaded.integrator->visitPatches([&](const RadiosityPatch& patch) { inspection.patches.push_back(patch); });
+  const size_t count = inspection.patches.size();
+  inspection.factorRays = formFactorRays(count);
+  if (inspection.factorRays == 0 && !quiet)
+    say(formatted("note: the page has no form factors: more than %zu patches (%zu); a larger patchsize makes "
+                  "fewer\n",
+                  MOST_FACTOR_PATCHES, count));
+  inspection.factors =
+      formFactors(*loaded.scene, *loaded.integrator, inspection.patches, inspection.factorRays, seed, stop);
+}
+
 ExitStatus inspectScene(const InspectOptions& o) {
   const RenderPlan plan = o.render.plan();
   const int64_t samples = parseCount("--path-samples", o.pathSamples, 1, 100000);
@@ -134,10 +148,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
-  loaded.integrator->visitPatches([&](const RadiosityPatch& patch) { inspection.patches.push_back(patch); });
-  inspection.factorRays = formFactorRays(inspection.patches.size());
-  inspection.factors = formFactors(scene, *loaded.integrator, inspection.patches, inspection.factorRays,
-                                   plan.settings(scene).seed, graceful.flag());
+  addPatches(loaded, o.render.quiet, plan.settings(scene).seed, graceful.flag(), inspection);
   inspection.references =
       referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
   if (graceful.flag()) return ExitStatus::INTERRUPTED;

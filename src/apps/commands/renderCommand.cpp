@@ -210,7 +210,7 @@ void answerPixels(const std::shared_ptr<const LoadedScene>& loaded, const PathCl
                   const std::string& title, FilmViewers& viewers, RenderPlan& plan) {
   int maxDepth = -1;
   for (const ParsedParameter& p : loaded->integratorDirective.parameters)
-    if (p.name == "maxdepth") maxDepth = static_cast<int>(p.numbers.front());
+    if (p.name == "maxdepth" && !p.numbers.empty()) maxDepth = static_cast<int>(p.numbers.front());
   const auto queries = std::make_shared<PixelQueries>(
       std::shared_ptr<const Scene>(loaded, loaded->scene.get()), classes, title,
       loaded->integratorDirective.type + ", during the render", maxDepth, plan.settings(*loaded->scene).seed);

@@ -319,7 +319,10 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
 }
 
 // The server's thread ends before the members that it uses.
-LiveServer::~LiveServer() { parts->server.reset(); }
+LiveServer::~LiveServer() {
+  setQueries(nullptr);
+  parts->server.reset();
+}
 
 const std::string& LiveServer::url() const { return parts->url; }
 
@@ -342,6 +345,7 @@ void LiveServer::show(const RenderProgress& progress) {
 
 void LiveServer::setQueries(std::shared_ptr<PixelQueries> queries) {
   const std::lock_guard<std::mutex> guard(parts->mutex);
+  if (parts->queries && parts->queries != queries) parts->queries->stop();
   parts->queries = std::move(queries);
 }
 

@@ -7,6 +7,7 @@
 
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/watchdog.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/transport/integrator/sceneNames.h"
 
@@ -17,6 +18,9 @@ namespace {
 constexpr int64_t RECORDED_SAMPLES = 16;
 constexpr size_t SHOWN_PHOTONS = 100000;
 constexpr int64_t REFERENCE_PATHS = 16384;
+constexpr std::chrono::seconds REFERENCE_TIME{1};
+/** Duration of the render over that of the answers. */
+constexpr int LEAST_RENDERING = 50;
 
 /** R, G and B of a picture. */
 Image colourOf(const Image& picture) {
@@ -47,8 +51,8 @@ PixelQuestion PixelQueries::question() const {
   return asked;
 }
 
-void PixelQueries::answer(const RenderPause& pause) {
-  const PixelQuestion now = question();
+std::shared_ptr<Inspection> PixelQueries::inspectionOf(const PixelQuestion& now, const RenderPause& pause,
+                                                       std::string& expression) const {
   const PixelBounds& crop = scene.film().crop;
   auto inspection = std::make_shared<Inspection>();
   inspection->title = title;
@@ -64,11 +68,26 @@ void PixelQueries::answer(const RenderPause& pause) {
   inspection->shownPhotons = SHOWN_PHOTONS;
   inspection->photonName = integrator.photonName();
   integrator.visitPhotonBoxes(BOX_LEVELS, [&](const PhotonBox& box) { inspection->boxes.push_back(box); });
-  const std::string expression =
-      inspection->photons.empty() ? ""
-                                  : photonExpression(classes, inspection->photons, integrator.photonPaths());
+  if (!inspection->photons.empty())
+    expression = photonExpression(classes, inspection->photons, integrator.photonPaths());
+  return inspection;
+}
+
+void PixelQueries::answer(const RenderPause& pause) {
+  const Clock::time_point start = Clock::now();
+  const PixelQuestion now = question();
+  std::shared_ptr<Inspection> inspection;
+  std::string expression, why;
+  try {
+    inspection = inspectionOf(now, pause, expression);
+  } catch (const std::exception& error) { // such as lack of memory; the render goes on
+    why = std::string("The paths of the pixel could not be recorded: ") + error.what();
+  }
+  const Clock::time_point end = Clock::now();
+  due = end + LEAST_RENDERING * (end - start);
   const std::lock_guard<std::mutex> guard(mutex);
   answered = std::move(inspection);
+  failure = why;
   photonPaths = expression;
   if (asked.number != now.number) return; // another question has come meanwhile
   asked.isAnswered = true;
@@ -79,6 +98,7 @@ std::string PixelQueries::page(const Image& picture) {
   std::shared_ptr<Inspection> inspection;
   {
     const std::lock_guard<std::mutex> guard(mutex);
+    if (!failure.empty()) throw Error(failure);
     inspection = answered;
   }
   if (!inspection) return "";
@@ -114,10 +134,17 @@ std::string PixelQueries::reference(const Vec3f& position, const Vec3f& normal) 
     throw Error("the normal is not a unit vector", ExitStatus::BAD_USAGE);
   prepareReferences(expression);
   setThreadFloatMode();
-  const std::atomic<bool> stop{false};
+  std::atomic<bool> isOver{false};
+  const Clock::time_point end = Clock::now() + REFERENCE_TIME;
+  const Watchdog watchdog([&] {
+    if (stopped || Clock::now() >= end) isOver = true;
+  });
   const std::optional<ReferencePoint> found =
-      referenceAt(scene, *path, *referenceClasses, position, normal, REFERENCE_PATHS, seed, stop);
-  if (!found) throw Error("no path tracing: the surface is not diffuse alone, or the scene moves or has fog");
+      referenceAt(scene, *path, *referenceClasses, position, normal, REFERENCE_PATHS, seed, isOver);
+  if (stopped) throw Error("the render has ended");
+  if (!found)
+    throw Error("no path tracing: no surface of the scene is close to this point of the simplified mesh, the "
+                "surface is not diffuse alone, or the scene moves or has fog");
   return referenceText(scene, *found);
 }
 

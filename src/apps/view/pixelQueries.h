@@ -5,6 +5,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -35,18 +36,27 @@ class PixelQueries {
   void ask(int x, int y);
   PixelQuestion question() const;
   /** Page of the latest answer, see inspectPage(), with a picture of the crop window; empty: there is no
-   * answer yet. */
+   * answer yet. Throws Error with the reason if answering failed. */
   std::string page(const Image& picture);
-  /** Irradiance by path tracing at a surface point, as JSON. Throws Error with the reason where there is
-   * none. */
+  /** Irradiance by path tracing at a surface point, as JSON; takes about a second at most, with fewer paths
+   * then. Throws Error with the reason where there is none. */
   std::string reference(const Vec3f& position, const Vec3f& normal);
 
-  /** Whether a question waits. For any thread. */
-  bool isAsked() const { return waits; }
-  /** Answers the question. For the render's thread. */
+  /** Ends reference(), now and from now on. For any thread. */
+  void stop() { stopped = true; }
+
+  /** Whether a question waits, and may be answered: answers take at most 1/50 of the render's time. For any
+   * thread. */
+  bool isAsked() const { return waits && Clock::now() >= due.load(); }
+  /** Answers the question; the reason of a failure is then the answer. For the render's thread. */
   void answer(const RenderPause& pause);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  /** Content of the page about a pixel, but for the picture; also its photons' light as an expression. */
+  std::shared_ptr<Inspection> inspectionOf(const PixelQuestion& now, const RenderPause& pause,
+                                           std::string& expression) const;
   void prepareReferences(const std::string& expression);
 
   const std::shared_ptr<const Scene> owner; ///< the page may outlive the render
@@ -55,10 +65,12 @@ class PixelQueries {
   const std::string title, label;
   const int maxDepth;
   const uint64_t seed;
-  std::atomic<bool> waits{false};
-  mutable std::mutex mutex; ///< guards the members below
+  std::atomic<bool> waits{false}, stopped{false};
+  std::atomic<Clock::time_point> due{Clock::time_point::min()}; ///< of the next answer
+  mutable std::mutex mutex;                                     ///< guards the members below
   PixelQuestion asked;
   std::shared_ptr<Inspection> answered; ///< null: none
+  std::string failure;                  ///< why there is no answer; empty: it did not fail
   std::string photonPaths;              ///< light of the answer's photons as an expression; empty: none
   // References, in the page's thread only:
   std::string referencePaths;

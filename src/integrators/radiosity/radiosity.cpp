@@ -77,6 +77,7 @@ class Radiosity final : public Integrator {
   }
 
   void visitPatches(const std::function<void(const RadiosityPatch&)>& visit) const override {
+    if (received.empty()) return; // forward() has not run
     for (uint32_t p = 0; p < patches.count(); ++p) {
       RadiosityPatch out = patches.describe(p);
       for (size_t side = 0; side < 2; ++side) {

@@ -86,7 +86,7 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
   visitViews(scene, stop, [&](size_t p, const PixelView& view) {
     for (AcnePicture& picture : out)
       for (int c = 0; c < 3; ++c) picture.image.pixels[3 * p + size_t(c)] = view.emission[c];
-    for (int64_t i = 0; i < samples; ++i) {
+    for (int64_t i = 0; i < samples && !stop; ++i) {
       Sampler sampler(seed, p, static_cast<uint32_t>(i));
       for (const VisiblePoint& point : view.points)
         if (const std::optional<ShadowRay> ray = shadowRayAt(scene, point, sampler))

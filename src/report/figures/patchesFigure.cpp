@@ -81,6 +81,7 @@ std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity
   const PathClasses classes(PATCHES_CLASSES);
   Film film(scene.film().crop, classes.layerCount());
   render(scene, radiosity, classes, settings, film, stop, nullptr, nullptr);
+  if (stop) return {};
   std::vector<RadiosityPatch> patches;
   radiosity.visitPatches([&](const RadiosityPatch& patch) { patches.push_back(patch); });
   if (patches.empty())

@@ -41,14 +41,14 @@ struct RowErrors {
 /** Estimates of one pixel. */
 class PixelSamplings {
  public:
-  PixelSamplings(const Scene& scene, const PixelView& view, uint64_t seed)
-      : scene(scene), view(view), seed(seed) {}
+  PixelSamplings(const Scene& scene, const PixelView& view, uint64_t seed, const std::atomic<bool>& stop)
+      : scene(scene), view(view), seed(seed), stop(stop) {}
 
-  /** Mean of the samples of a stream. Calls use(n, mean) after each sample. */
+  /** Mean of the samples of a stream; of no use once stopped. Calls use(n, mean) after each sample. */
   template <class Use>
   Rgb mean(DirectSampling sampling, uint64_t stream, int64_t samples, const Use& use) const {
     Rgbd sum(0);
-    for (int64_t i = 0; i < samples; ++i) {
+    for (int64_t i = 0; i < samples && !stop; ++i) {
       // Independent samples: those of one stream are stratified, and their error falls faster.
       Sampler sampler(hashCombine(hashCombine(seed, stream), uint64_t(i)), 0, 0);
       Rgb light = BLACK;
@@ -64,6 +64,7 @@ class PixelSamplings {
   const Scene& scene;
   const PixelView& view;
   uint64_t seed;
+  const std::atomic<bool>& stop;
 };
 
 /** Adds a pixel to the sums of its row, and returns its means by sampling. */
@@ -100,7 +101,7 @@ SamplingsFigure samplingsFigure(const Scene& scene, int64_t samples, uint64_t se
   std::vector<RowErrors> rows(size_t(crop.height()), empty);
   std::vector<Image> pictures(DIRECT_SAMPLINGS, Image(crop.width(), crop.height(), {"R", "G", "B"}));
   visitViews(scene, stop, [&](size_t p, const PixelView& view) {
-    const auto means = addPixel(PixelSamplings(scene, view, hashCombine(seed, p)), samples, checkpoints,
+    const auto means = addPixel(PixelSamplings(scene, view, hashCombine(seed, p), stop), samples, checkpoints,
                                 rows[p / size_t(crop.width())]);
     for (size_t s = 0; s < DIRECT_SAMPLINGS; ++s)
       for (size_t c = 0; c < 3; ++c) pictures[s].pixels[3 * p + c] = view.emission[int(c)] + means[s][int(c)];

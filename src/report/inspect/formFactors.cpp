@@ -62,6 +62,7 @@ std::vector<FormFactors> formFactors(const Scene& scene, const Integrator& integ
 
 uint32_t formFactorRays(size_t patches) {
   constexpr size_t ALL_RAYS = 4000000, LEAST = 64, MOST = 16384;
+  if (patches > MOST_FACTOR_PATCHES) return 0;
   return static_cast<uint32_t>(std::clamp(ALL_RAYS / std::max<size_t>(1, patches), LEAST, MOST));
 }
 

@@ -16,7 +16,9 @@ class PatchView {
     if (!this.isUsed) return;
     for (const name of ["showPatches", "patchLines"]) element(name).addEventListener("input", () => this.draw());
     element("patchColour").addEventListener("input", () => this.draw());
-    element("patchStatus").textContent = `${patches.count} patches; form factors by ${patches.rays} rays from each.`;
+    element("patchStatus").textContent = `${patches.count} patches; ${patches.rays > 0
+      ? `form factors by ${patches.rays} rays from each.` : "no form factors: they are too many for the page."}`;
+    element("patchColour").disabled = patches.rays === 0;
     element("showPatches").checked = true;
     this.draw();
   }
@@ -35,7 +37,7 @@ class PatchView {
   colours() {
     const { count, radiosities } = this.patches, out = new Float32Array(3 * count);
     if (this.chosen >= 0 && element("patchColour").value === "factors") {
-      const factors = this.factors(this.chosen), most = Math.max(...factors) || 1, colour = new THREE.Color();
+      const factors = this.factors(this.chosen), most = factors.reduce((a, b) => Math.max(a, b), 0) || 1, colour = new THREE.Color();
       for (let i = 0; i < count; ++i) {
         const t = Math.sqrt(factors[i] / most);
         out.set(t > 0 ? colour.setHSL(0.78 - 0.62 * t, 0.9, 0.22 + 0.4 * t).toArray() : [0.06, 0.06, 0.08], 3 * i);
@@ -91,7 +93,7 @@ class PatchView {
     this.chosen = patch;
     element("patchChosen").hidden = patch < 0;
     if (patch >= 0) {
-      element("patchColour").value = "factors";
+      if (this.patches.rays > 0) element("patchColour").value = "factors";
       this.fill(patch);
     }
     element("view").dataset.patch = patch;
@@ -104,8 +106,10 @@ class PatchView {
     const sum = factors.reduce((a, b) => a + b, 0), error = (f) => Math.sqrt(f * (1 - f) / rays);
     const colour = (i) => [...radiosities.slice(3 * i, 3 * i + 3)].map(numberText).join(" ");
     const rows = [["patch", `${patch}, ${sides[patch] ? "inner" : "outer"} side`], ["area", numberText(areas[patch])],
-      ["radiosity", colour(patch)], ["sum of form factors", `${sum.toFixed(3)} ± ${error(Math.min(1, sum)).toFixed(3)}`],
-      ["to the open, or to what is not divided", (1 - sum).toFixed(3)]];
+      ["radiosity", colour(patch)]];
+    if (rays > 0)
+      rows.push(["sum of form factors", `${sum.toFixed(3)} ± ${error(Math.min(1, sum)).toFixed(3)}`],
+        ["to the open, or to what is not divided", (1 - sum).toFixed(3)]);
     element("patchText").replaceChildren(...rows.flatMap(([name, text]) => {
       const dt = document.createElement("dt"), dd = document.createElement("dd");
       dt.textContent = name;
@@ -115,6 +119,7 @@ class PatchView {
     const table = element("factors"), order = [...factors.keys()].filter((i) => factors[i] > 0)
       .sort((a, b) => factors[b] - factors[a]).slice(0, MOST);
     table.replaceChildren();
+    if (rays === 0) return;
     addRow(table, ["patch", "form factor", "error", "area", "radiosity"], "th");
     for (const i of order)
       addRow(table, [i, factors[i].toFixed(4), error(factors[i]).toFixed(4), numberText(areas[i]), colour(i)])

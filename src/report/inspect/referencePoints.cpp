@@ -62,6 +62,36 @@ void estimateReference(const Scene& scene, const Integrator& integrator, const P
   p.standardError = n > 1 ? static_cast<float>(std::sqrt(std::max(0.0, variance) / n)) : INFINITE;
 }
 
+/** Origin of a ray against `normal` whose first surface is the one nearest to a position, which may be off it
+ * on either side. A surface seen from behind counts as farther away than one that faces the normal, so that
+ * the back of a thin object is not taken for its front. None: no surface is near. */
+std::optional<Vec3f> originAbove(const Scene& scene, const Vec3f& position, const Vec3f& normal) {
+  constexpr float REACH = 0.02f; // of the scene's radius
+  constexpr float BEHIND = 4;    // factor of the distance of a surface seen from behind
+  const float reach = REACH * scene.bounds().radius;
+  const Vec3f start = position + normal * reach;
+  std::optional<Vec3f> origin;
+  float nearest = INFINITE, passed = 0; // passed: distance from the start to the previous surface
+  Ray ray;
+  ray.origin = start;
+  ray.direction = -normal;
+  ray.tMax = 2 * reach;
+  for (Hit hit; scene.intersect(ray, hit);) {
+    const float along = glm::dot(start - hit.point.position, normal);
+    const bool faces = glm::dot(hit.point.geometricNormal, normal) > 0;
+    const float distance = std::abs(along - reach) * (faces ? 1 : BEHIND);
+    if (distance < nearest) {
+      nearest = distance;
+      origin = start - normal * ((passed + along) / 2);
+    }
+    passed = along;
+    ray.origin = hit.point.rayOrigin(ray.direction);
+    ray.tMax = 2 * reach - along;
+    if (!(ray.tMax > 0)) break;
+  }
+  return origin;
+}
+
 } // namespace
 
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
@@ -84,10 +114,11 @@ std::optional<ReferencePoint> referenceAt(const Scene& scene, const Integrator& 
                                           const PathClasses& classes, const Vec3f& position,
                                           const Vec3f& normal, int64_t samples, uint64_t seed,
                                           const std::atomic<bool>& stop) {
-  constexpr float ABOVE = 1e-3f; // of the scene's radius
   if (!isComparable(scene)) return {};
+  const std::optional<Vec3f> above = originAbove(scene, position, normal);
+  if (!above) return {};
   CameraRay ray;
-  ray.origin = position + normal * (ABOVE * scene.bounds().radius);
+  ray.origin = *above;
   ray.direction = -normal;
   ReferencePoint p;
   estimateReference(scene, integrator, classes, ray, samples, seed, stop, p);

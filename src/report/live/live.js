@@ -102,16 +102,34 @@ async function askPaths() {
   if (!pixel || live.ended || !live.state?.answers_pixels || live.asking === pixel.join()) return;
   live.asking = pixel.join();
   const answer = await fetch(`ask?x=${pixel[0]}&y=${pixel[1]}`, { method: "POST" }).catch(() => null);
-  if (!answer?.ok) return;
+  if (!answer?.ok) {
+    if (live.asking === pixel.join()) live.asking = ""; // a click asks again
+    $("paths").hidden = false;
+    $("pathsStatus").textContent = `Pixel ${pixel.join(", ")}: ${answer ? await answer.text() : "the program does not answer"}`;
+    return;
+  }
   live.question = { number: (await answer.json()).question, pixel };
   $("paths").hidden = false;
   $("pathsStatus").textContent = `Pixel ${pixel.join(", ")}: waiting for the end of the round`;
 }
 
+/** Gives up the latest question; a click asks again. */
+function dropQuestion(text) {
+  if (!live.question || live.question.isShown) return;
+  $("pathsStatus").textContent = `Pixel ${live.question.pixel.join(", ")}: ${text}`;
+  Object.assign(live, { question: null, asking: "" });
+}
+
 /** Shows the paths once the program has answered the latest question. */
 function showPaths() {
   const { question, state } = live;
-  if (!question || question.isShown || state.question !== question.number || !state.answered) return;
+  if (!question || question.isShown) return;
+  const isReplaced = state.question > question.number;
+  if (isReplaced || (state.finished && !state.answered)) {
+    dropQuestion(isReplaced ? "another question has replaced this one; click again" : "the render has finished without an answer");
+    return;
+  }
+  if (state.question !== question.number || !state.answered) return;
   question.isShown = true;
   $("pathsStatus").textContent = `Paths of pixel ${question.pixel.join(", ")}`;
   $("pathsPage").src = $("pathsAlone").href = `paths?question=${question.number}`;
@@ -181,6 +199,7 @@ async function poll() {
   } catch (error) {
     if (live.state?.finished || error instanceof TypeError) { // no answer: the program is gone
       live.ended = true;
+      dropQuestion("the program has ended without an answer");
       $("stop").disabled = true;
       $("phase").textContent = "ended";
       fail("The program has ended; this is the last picture that it sent.");

@@ -23,15 +23,20 @@ struct FormFactors {
 };
 
 /**
- * Estimates the form factors of all patches by rays with the density of the cosine from uniform points: the
- * form factor from i to j is the fraction of rays from i that hit j first. Of each patch, the side that
- * receives more light is taken. The standard error of a form factor F is sqrt(F (1 - F) / rays).
+ * Estimates the form factors of all patches by rays with the density of the cosine from points that are
+ * uniform in the surface's coordinates: on flat faces, in area as well. The form factor from i to j is the
+ * fraction of rays from i that hit j first. Of each patch, the side that receives more light is taken. The
+ * standard error of a form factor F is sqrt(F (1 - F) / rays). Without rays, only the sides are set.
  */
 std::vector<FormFactors> formFactors(const Scene& scene, const Integrator& integrator,
                                      std::span<const RadiosityPatch> patches, uint32_t raysPerPatch,
                                      uint64_t seed, const std::atomic<bool>& stop);
 
-/** Number of rays for each patch, so that a page with all form factors has a moderate size. */
+/** Largest number of patches whose form factors a page has. */
+constexpr size_t MOST_FACTOR_PATCHES = 60000;
+
+/** Number of rays for each patch, so that a page with all form factors has a moderate size; 0 above
+ * MOST_FACTOR_PATCHES. */
 uint32_t formFactorRays(size_t patches);
 
 } // namespace recurse

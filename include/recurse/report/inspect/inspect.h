@@ -39,7 +39,7 @@ struct Inspection {
   std::vector<ReferencePoint> references;
   std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
   std::vector<FormFactors> factors;    ///< of each patch
-  uint32_t factorRays = 0;             ///< rays for each patch
+  uint32_t factorRays = 0;             ///< rays for each patch; 0: no form factors, see formFactorRays()
   bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
 
@@ -65,8 +65,10 @@ std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,
                                             int64_t samples, uint64_t seed, const std::atomic<bool>& stop);
 
-/** Does the same for any surface point, on the side of its unit normal, by rays against the normal; empty
- * where the surface is not Lambertian, or the light is not comparable. */
+/** Does the same for any surface point, on the side of its unit normal, by rays against the normal. The
+ * surface nearest to the position along the normal is taken, up to 2 % of the scene's radius away: positions
+ * on a simplified mesh are off it. Empty where no surface is near or it is not Lambertian, or the light is
+ * not comparable. */
 std::optional<ReferencePoint> referenceAt(const Scene& scene, const Integrator& integrator,
                                           const PathClasses& classes, const Vec3f& position,
                                           const Vec3f& normal, int64_t samples, uint64_t seed,
