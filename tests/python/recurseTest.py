@@ -272,6 +272,7 @@ Camera "perspective" "float fov" 20 "string name" "back"
 Identity
 Camera "perspective" "float fov" 20 "string name" "front"
 WorldBegin
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
 """ + light.format("1 0 0", "-9 -9 -1  9 -9 -1  -9 9 -1  9 9 -1")
                               + light.format("0 1 0", "-9 -9 1  -9 9 1  9 -9 1  9 9 1"))
         for camera, colour in ((None, (1, 0, 0)), ("front", (0, 1, 0)), ("back", (1, 0, 0))):

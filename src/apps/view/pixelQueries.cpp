@@ -32,9 +32,9 @@ Image colourOf(const Image& picture) {
 
 } // namespace
 
-PixelQueries::PixelQueries(std::shared_ptr<const Scene> ofRender, const PathClasses& classes,
-                           std::string title, std::string label, int maxDepth, uint64_t seed)
-    : owner(std::move(ofRender)), scene(*owner), classes(classes), title(std::move(title)),
+PixelQueries::PixelQueries(std::shared_ptr<const Scene> ofRender, PathClasses classes, std::string title,
+                           std::string label, int maxDepth, uint64_t seed)
+    : owner(std::move(ofRender)), scene(*owner), classes(std::move(classes)), title(std::move(title)),
       label(std::move(label)), maxDepth(maxDepth), seed(seed) {}
 
 void PixelQueries::ask(int x, int y) {

@@ -29,8 +29,8 @@ struct PixelQuestion {
 class PixelQueries {
  public:
   /** `classes`: of the render; `maxDepth`: of the paths, as in the parameter "maxdepth". */
-  PixelQueries(std::shared_ptr<const Scene> scene, const PathClasses& classes, std::string title,
-               std::string label, int maxDepth, uint64_t seed);
+  PixelQueries(std::shared_ptr<const Scene> scene, PathClasses classes, std::string title, std::string label,
+               int maxDepth, uint64_t seed);
 
   /** Replaces the question. Throws Error (BAD_USAGE) for a pixel outside of the crop window. */
   void ask(int x, int y);
