@@ -36,8 +36,16 @@ class Work {
   const apps::Listening listening;
 };
 
+/** Options of a render, with those that choose a camera. */
+struct OptionsOfScene : apps::RenderOptions {
+  void addTo(CLI::App& command) {
+    RenderOptions::addTo(command);
+    model.addTo(command);
+  }
+};
+
 apps::RenderOptions parsedOptions(const std::string& fileName, const std::vector<std::string>& given) {
-  apps::RenderOptions out = commandOptions<apps::RenderOptions>(given);
+  apps::RenderOptions out = commandOptions<OptionsOfScene>(given);
   out.scene = fileName;
   out.progress = "off";
   out.quiet = true;
