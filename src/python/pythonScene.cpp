@@ -66,9 +66,9 @@ bool isSame(const apps::LoadOverrides& a, const apps::LoadOverrides& b) {
 
 } // namespace
 
-PythonScene::PythonScene(const std::string& fileName, const std::shared_ptr<const std::string>& text,
-                         const std::string& directory, bool lenient)
-    : fileName(fileName), text(text), directory(directory) {
+PythonScene::PythonScene(std::string name, std::shared_ptr<const std::string> sceneText, std::string folder,
+                         bool lenient)
+    : fileName(std::move(name)), text(std::move(sceneText)), directory(std::move(folder)) {
   const Work work(warnings);
   setWorkLimit(INFINITY); // that of a render before was of its own options
   apps::LoadOverrides overrides;

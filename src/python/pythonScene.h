@@ -34,8 +34,8 @@ struct RenderResult {
 class PythonScene {
  public:
   /** `text`: content of the scene file; null: the file is read. */
-  PythonScene(const std::string& fileName, const std::shared_ptr<const std::string>& text,
-              const std::string& directory, bool lenient);
+  PythonScene(std::string fileName, std::shared_ptr<const std::string> text, std::string directory,
+              bool lenient);
 
   RenderResult render(const RenderRequest& request,
                       const std::function<void(const RenderProgress&)>& progress);
