@@ -135,6 +135,7 @@ class LivePage(Page):
 
     def askPixel(self, x, y):
         """Clicks a pixel, and waits for the page with its paths. Returns that page's data."""
+        until(lambda: int(self.text("#zoomText").split()[0]) > 100)  # the small picture is fitted into the stage
         before = browser.evaluate("document.body.dataset.answered ?? ''")
         browser.clickAt(*self.place((x, y), SIZE))
         until(lambda: browser.evaluate("document.body.dataset.answered ?? ''") != before)
