@@ -12,6 +12,7 @@
 #include "apps/options/renderCommandOptions.h"
 #include "apps/run/blackPicture.h"
 #include "apps/run/cluster.h"
+#include "apps/run/firstPicture.h"
 #include "apps/run/watch.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/files.h"
@@ -208,12 +209,10 @@ std::string titleOf(const RenderCommandOptions& o) {
 /** Lets the live page ask for the paths of pixels. */
 void answerPixels(const std::shared_ptr<const LoadedScene>& loaded, const PathClasses& classes,
                   const std::string& title, FilmViewers& viewers, RenderPlan& plan) {
-  int maxDepth = -1;
-  for (const ParsedParameter& p : loaded->integratorDirective.parameters)
-    if (p.name == "maxdepth" && !p.numbers.empty()) maxDepth = static_cast<int>(p.numbers.front());
   const auto queries = std::make_shared<PixelQueries>(
       std::shared_ptr<const Scene>(loaded, loaded->scene.get()), classes, title,
-      loaded->integratorDirective.type + ", during the render", maxDepth, plan.settings(*loaded->scene).seed);
+      loaded->integratorDirective.type + ", during the render", maxDepthOf(loaded->integratorDirective),
+      plan.settings(*loaded->scene).seed);
   viewers.answerPixels(queries);
   plan.isAsked = [queries] { return queries->isAsked(); };
   plan.answer = [queries](const RenderPause& pause) { queries->answer(pause); };

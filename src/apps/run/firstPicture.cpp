@@ -13,14 +13,13 @@ namespace {
 /** Paths of emitted and direct light. */
 constexpr const char* DIRECT = "L(S|D|V)?E";
 
-/** The integrator's limit of scattering events; -1: none. */
+} // namespace
+
 int maxDepthOf(const ParsedDirective& integrator) {
   for (const ParsedParameter& p : integrator.parameters)
     if (p.name == "maxdepth" && p.numbers.size() == 1) return static_cast<int>(p.numbers[0]);
   return -1;
 }
-
-} // namespace
 
 std::unique_ptr<Integrator> pathTracerThatLearnsNothing(int maxDepth) {
   ParsedDirective directive;

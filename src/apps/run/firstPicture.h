@@ -12,6 +12,9 @@
 
 namespace recurse::apps {
 
+/** Limit of scattering events by an integrator's parameter "maxdepth"; -1: none. */
+int maxDepthOf(const ParsedDirective& integrator);
+
 /** Path tracer with lights selected by power, with at most `maxDepth` scattering events; -1: any number. */
 std::unique_ptr<Integrator> pathTracerThatLearnsNothing(int maxDepth);
 

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
+#include "apps/run/firstPicture.h"
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/watchdog.h"
-#include "recurse/model/scene/plugIns.h"
 #include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
@@ -108,16 +108,7 @@ std::string PixelQueries::page(const Image& picture) {
 
 void PixelQueries::prepareReferences(const std::string& expression) {
   if (path && referencePaths == expression) return;
-  ParsedDirective directive;
-  directive.type = "simplepath"; // learns nothing, so that the first answer comes soon
-  ParsedParameter depth;
-  depth.type = "integer";
-  depth.name = "maxdepth";
-  depth.numbers = {double(maxDepth)};
-  directive.parameters.push_back(depth);
-  Diagnostics diagnostics;
-  path = plugIns().integrators.make(directive, NoContext{}, diagnostics, false);
-  diagnostics.throwIfErrors();
+  path = pathTracerThatLearnsNothing(maxDepth); // so that the first answer comes soon
   referenceClasses = std::make_unique<PathClasses>(sceneClasses({{"photons", expression}}, scene));
   path->prepare(scene, *referenceClasses);
   referencePaths = expression;
