@@ -113,6 +113,7 @@ class LayeringChecker {
       checkIncludes(path, file);
     }
     findCycles();
+    findTypesDefinedTwice();
     checkFolders();
     checkPlugInList();
     return complaints;
@@ -269,6 +270,31 @@ class LayeringChecker {
     state[unit] = 2;
   }
 
+  /** Two types of one name in one namespace are undefined behaviour that no compiler reports. Types of an
+   * unnamed namespace are private to their file. */
+  void findTypesDefinedTwice() {
+    static const std::regex LINE(
+        R"(\n(?:namespace ([\w:]*) ?\{|(\}) // namespace|(?:struct|class|enum class) (\w+)(?: final)?(?: : [^;\n]*)? \{))");
+    std::map<std::string, std::string> definedIn;
+    for (const auto& [path, file] : files) {
+      std::vector<std::string> namespaces;
+      for (std::sregex_iterator i(file.text.begin(), file.text.end(), LINE), end; i != end; ++i) {
+        const std::smatch& line = *i;
+        if (line[2].matched) {
+          if (!namespaces.empty()) namespaces.pop_back();
+        } else if (!line[3].matched) {
+          namespaces.push_back(line[1]);
+        } else if (std::ranges::find(namespaces, "") == namespaces.end()) {
+          std::string name;
+          for (const std::string& outer : namespaces) name += outer + "::";
+          name += line[3];
+          const auto [other, isNew] = definedIn.emplace(name, path);
+          if (!isNew) complain(path + " defines " + name + ", which " + other->second + " defines too");
+        }
+      }
+    }
+  }
+
   /** All matches of the pattern's first group in the files that `wanted` accepts: what, and how often. */
   template <class Wanted>
   std::map<std::string, int> countNames(const std::string& pattern, const Wanted& wanted) const {
@@ -397,6 +423,15 @@ TEST_F(LayeringCheck, FindsCirclesOfHeadersAndTheirSources) {
   write("include/recurse/core/c.h", "#include \"recurse/core/b.h\"\n");
   write("src/core/b.cpp", "#include \"recurse/core/b.h\"\n#include \"recurse/core/c.h\"\n");
   EXPECT_EQ(complaint(), "includes go in a circle: core/b -> core/c -> core/b");
+}
+
+TEST_F(LayeringCheck, FindsTypesThatAreDefinedTwice) {
+  write("src/core/a.h", "namespace recurse {\nstruct A {\n};\nnamespace {\nclass B {};\n} // namespace\n"
+                        "namespace other {\nclass C {};\n} // namespace other\n} // namespace recurse\n");
+  write("src/core/b.h", "namespace recurse {\nclass C {};\nstruct B : C {\n};\n} // namespace recurse\n");
+  EXPECT_EQ(complaint(), "");
+  write("src/core/c.cpp", "namespace recurse {\nclass A final {\n};\n} // namespace recurse\n");
+  EXPECT_EQ(complaint(), "src/core/c.cpp defines recurse::A, which src/core/a.h defines too");
 }
 
 TEST_F(LayeringCheck, FindsAMissingHeader) {

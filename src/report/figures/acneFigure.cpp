@@ -36,7 +36,7 @@ struct ShadowRay {
   Rgb contribution{0};
 };
 
-std::optional<ShadowRay> shadowRayAt(const Scene& scene, const VisiblePoint& visible, Sampler& sampler) {
+std::optional<ShadowRay> shadowRayAt(const Scene& scene, const ViewedPoint& visible, Sampler& sampler) {
   float pick = sampler.next1D();
   const Vec2f u = sampler.next2D();
   const ChosenLight chosen = scene.lights().choose(pick);
@@ -88,7 +88,7 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
       for (int c = 0; c < 3; ++c) picture.image.pixels[3 * p + size_t(c)] = view.emission[c];
     for (int64_t i = 0; i < samples && !stop; ++i) {
       Sampler sampler(seed, p, static_cast<uint32_t>(i));
-      for (const VisiblePoint& point : view.points)
+      for (const ViewedPoint& point : view.points)
         if (const std::optional<ShadowRay> ray = shadowRayAt(scene, point, sampler))
           addRay(p, point.hit.point, *ray);
     }

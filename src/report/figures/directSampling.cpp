@@ -13,7 +13,7 @@ namespace {
 /** Estimator at one point. */
 class DirectEstimator {
  public:
-  DirectEstimator(const Scene& scene, const VisiblePoint& visible)
+  DirectEstimator(const Scene& scene, const ViewedPoint& visible)
       : scene(scene), visible(visible), scattering(*visible.bsdf, visible.hit.point),
         frame(facing(scattering.normal(), visible.wi)), isTwoSided(scattering.lobes() & TRANSMISSION) {}
 
@@ -101,7 +101,7 @@ class DirectEstimator {
   }
 
   const Scene& scene;
-  const VisiblePoint& visible;
+  const ViewedPoint& visible;
   ScatteringPoint scattering;
   Frame frame; ///< around the shading normal on the camera's side
   bool isTwoSided;
@@ -115,7 +115,7 @@ const char* directSamplingName(DirectSampling sampling) {
   return NAMES[size_t(sampling)];
 }
 
-Rgb sampleDirectLight(const Scene& scene, const VisiblePoint& point, DirectSampling sampling,
+Rgb sampleDirectLight(const Scene& scene, const ViewedPoint& point, DirectSampling sampling,
                       Sampler& sampler) {
   return DirectEstimator(scene, point).estimate(sampling, sampler);
 }

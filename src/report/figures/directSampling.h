@@ -23,7 +23,7 @@ const char* directSamplingName(DirectSampling sampling);
  * One-sample estimate of the direct light that a point reflects to the camera, throughput included. Light of
  * points and in single directions, which no ray hits, is estimated by LIGHT and COMBINED only.
  */
-Rgb sampleDirectLight(const Scene& scene, const VisiblePoint& point, DirectSampling sampling,
+Rgb sampleDirectLight(const Scene& scene, const ViewedPoint& point, DirectSampling sampling,
                       Sampler& sampler);
 
 } // namespace recurse

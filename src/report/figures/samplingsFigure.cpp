@@ -52,7 +52,7 @@ class PixelSamplings {
       // Independent samples: those of one stream are stratified, and their error falls faster.
       Sampler sampler(hashCombine(hashCombine(seed, stream), uint64_t(i)), 0, 0);
       Rgb light = BLACK;
-      for (const VisiblePoint& point : view.points)
+      for (const ViewedPoint& point : view.points)
         light += sampleDirectLight(scene, point, sampling, sampler);
       sum += Rgbd(light);
       use(i + 1, light, Rgb(sum / double(i + 1)));

@@ -12,7 +12,7 @@
 namespace recurse {
 
 /** Non-delta surface point seen from a pixel, directly or through mirrors and glass. */
-struct VisiblePoint {
+struct ViewedPoint {
   Hit hit;
   const Bsdf* bsdf = nullptr; ///< in the arena of viewOfPixel()
   Vec3f wi{0};                ///< unit, back along the camera path
@@ -22,7 +22,7 @@ struct VisiblePoint {
 /** View of the middle of a pixel through the middle of the lens. */
 struct PixelView {
   Rgb emission{0}; ///< light that the camera sees without non-delta scattering
-  std::vector<VisiblePoint> points;
+  std::vector<ViewedPoint> points;
 };
 
 /**
