@@ -5,8 +5,6 @@
 #include <cmath>
 
 #include "recurse/core/io/text.h"
-#include "recurse/core/sampling/sampler.h"
-#include "recurse/model/bsdf/scatteringPoint.h"
 #include "recurse/report/figures/figures.h"
 #include "recurse/report/stills/stills.h"
 #include "report/figures/visiblePoints.h"
@@ -30,30 +28,6 @@ Vec3f originAt(const SurfacePoint& point, const Vec3f& direction, float offset) 
   return point.position + point.normalTowards(direction) * offset;
 }
 
-/** Shadow ray with its contribution if it is not occluded. */
-struct ShadowRay {
-  LiSample light;
-  Rgb contribution{0};
-};
-
-std::optional<ShadowRay> shadowRayAt(const Scene& scene, const ViewedPoint& visible, Sampler& sampler) {
-  float pick = sampler.next1D();
-  const Vec2f u = sampler.next2D();
-  const ChosenLight chosen = scene.lights().choose(pick);
-  if (!(chosen.probability > 0)) return {};
-  const SurfacePoint& at = visible.hit.point;
-  const std::optional<LiSample> light = chosen.light->sampleLiAt(at.time, at.position, pick, u);
-  if (!light || !(light->pdf > 0)) return {};
-  const Rgb f = ScatteringPoint(*visible.bsdf, at).evaluate(visible.wi, light->direction);
-  if (isBlack(f) || isBlack(light->radiance)) return {};
-  return ShadowRay{*light, visible.weight * f * light->radiance / (chosen.probability * light->pdf)};
-}
-
-bool isBlocked(const Scene& scene, const SurfacePoint& from, const Vec3f& origin, const LiSample& light) {
-  const Ray ray = rayToLight(from, origin, light);
-  return ray.direction != Vec3f(0) && scene.occluded(ray);
-}
-
 } // namespace
 
 std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<float>& offsets, int64_t samples,
@@ -67,7 +41,7 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
     out[k].offset = k < rule ? offsets[k] : -1;
   }
   std::vector<std::vector<OffsetCounts>> rows(size_t(crop.height()), std::vector<OffsetCounts>(rule + 1));
-  const auto addRay = [&](size_t p, const SurfacePoint& from, const ShadowRay& ray) {
+  const auto addRay = [&](size_t p, const SurfacePoint& from, const ViewedLight& sample) {
     const auto add = [&](size_t k, bool blocked, bool blockedByRule) {
       OffsetCounts& counts = rows[p / size_t(crop.width())][k];
       ++counts.rays;
@@ -75,12 +49,13 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
       counts.leaks += !blocked && blockedByRule;
       if (blocked) return;
       for (int c = 0; c < 3; ++c)
-        out[k].image.pixels[3 * p + size_t(c)] += ray.contribution[c] / static_cast<float>(samples);
+        out[k].image.pixels[3 * p + size_t(c)] +=
+            sample.contribution[c] / (sample.density * static_cast<float>(samples));
     };
-    const bool blockedByRule = isBlocked(scene, from, from.rayOrigin(ray.light.direction), ray.light);
+    const bool blockedByRule = isBlocked(scene, from, from.rayOrigin(sample.light.direction), sample.light);
     add(rule, blockedByRule, blockedByRule);
     for (size_t k = 0; k < rule; ++k)
-      add(k, isBlocked(scene, from, originAt(from, ray.light.direction, offsets[k]), ray.light),
+      add(k, isBlocked(scene, from, originAt(from, sample.light.direction, offsets[k]), sample.light),
           blockedByRule);
   };
   visitViews(scene, stop, [&](size_t p, const PixelView& view) {
@@ -89,8 +64,9 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
     for (int64_t i = 0; i < samples && !stop; ++i) {
       Sampler sampler(seed, p, static_cast<uint32_t>(i));
       for (const ViewedPoint& point : view.points)
-        if (const std::optional<ShadowRay> ray = shadowRayAt(scene, point, sampler))
-          addRay(p, point.hit.point, *ray);
+        if (const auto sample =
+                sampleLight(scene, point, ScatteringPoint(*point.bsdf, point.hit.point), sampler))
+          addRay(p, point.hit.point, *sample);
     }
   });
   for (size_t k = 0; k <= rule; ++k) {

@@ -4,7 +4,6 @@
 #include "report/figures/directSampling.h"
 
 #include "recurse/core/sampling/sampling.h"
-#include "recurse/model/bsdf/scatteringPoint.h"
 
 namespace recurse {
 
@@ -32,24 +31,18 @@ class DirectEstimator {
   }
 
   Rgb byLight(bool isCombined, Sampler& sampler) const {
-    float pick = sampler.next1D();
-    const Vec2f u = sampler.next2D();
-    const ChosenLight chosen = scene.lights().choose(pick);
-    if (!(chosen.probability > 0)) return BLACK;
-    const SurfacePoint& at = visible.hit.point;
-    const std::optional<LiSample> light = chosen.light->sampleLiAt(at.time, at.position, pick, u);
-    if (!light || !(light->pdf > 0)) return BLACK;
-    const Rgb f = scattering.evaluate(visible.wi, light->direction);
-    if (isBlack(f)) return BLACK;
-    const Ray ray = rayToLight(at, at.rayOrigin(light->direction), *light);
-    if (ray.direction != Vec3f(0) && scene.occluded(ray)) return BLACK;
-    float density = chosen.probability * light->pdf;
+    const std::optional<ViewedLight> sample = sampleLight(scene, visible, scattering, sampler);
+    if (!sample) return BLACK;
+    const LiSample& light = sample->light;
+    const SurfacePoint& from = visible.hit.point;
+    if (isBlocked(scene, from, from.rayOrigin(light.direction), light)) return BLACK;
+    float density = sample->density;
     if (isCombined) {
       density *= COMBINED_PROBABILITY;
-      if (!light->delta)
-        density += (1 - COMBINED_PROBABILITY) * scattering.pdfNonDelta(visible.wi, light->direction);
+      if (!light.delta)
+        density += (1 - COMBINED_PROBABILITY) * scattering.pdfNonDelta(visible.wi, light.direction);
     }
-    return visible.weight * f * light->radiance / density;
+    return sample->contribution / density;
   }
 
   Rgb byRay(DirectSampling sampling, Sampler& sampler) const {

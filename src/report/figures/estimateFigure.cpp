@@ -6,9 +6,9 @@
 
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/parallel.h"
 #include "recurse/report/figures/figures.h"
 #include "recurse/report/stills/stills.h"
+#include "report/figures/visiblePoints.h"
 
 namespace recurse {
 
@@ -66,20 +66,6 @@ struct EstimateSums {
   }
 };
 
-/** Calls use(pixel, ray) for the ray through the middle of each pixel, on all threads. */
-template <class Use> void forMiddleRays(const Scene& scene, const std::atomic<bool>& stop, const Use& use) {
-  const PixelBounds& crop = scene.film().crop;
-  const auto width = size_t(crop.width());
-  parallelFor(size_t(crop.height()), [&](size_t row) {
-    for (size_t column = 0; column < width && !stop; ++column) {
-      const CameraSample middle{.film = Vec2f(crop.x0 + int(column), crop.y0 + int(row)) + 0.5f,
-                                .time = scene.camera().timeAt(0.5f)};
-      if (const std::optional<CameraRay> ray = scene.camera().validRay(middle))
-        use(row * width + column, *ray);
-    }
-  });
-}
-
 void shootFor(const Scene& scene, Integrator& integrator, const PathClasses& classes, uint64_t seed,
               const std::atomic<bool>& stop) {
   integrator.prepare(scene, classes);
@@ -124,7 +110,7 @@ struct EstimateData {
 void addMap(const Scene& scene, const PathClasses& classes, Integrator& photonMap, uint64_t seed,
             const std::atomic<bool>& stop, EstimateData& data) {
   shootFor(scene, photonMap, classes, seed, stop);
-  forMiddleRays(scene, stop, [&](size_t p, const CameraRay& ray) {
+  visitMiddleRays(scene, stop, [&](size_t p, const CameraRay& ray) {
     Sampler sampler(seed, p, 0);
     TransportCounts counts;
     PathRadiance out(classes, counts);
@@ -143,7 +129,7 @@ void addMap(const Scene& scene, const PathClasses& classes, Integrator& photonMa
 void addPaths(const Scene& scene, const PathClasses& classes, Integrator& path, int64_t samples,
               uint64_t seed, const std::atomic<bool>& stop, EstimateData& data) {
   shootFor(scene, path, classes, seed, stop);
-  forMiddleRays(scene, stop, [&](size_t p, const CameraRay& ray) {
+  visitMiddleRays(scene, stop, [&](size_t p, const CameraRay& ray) {
     TransportCounts counts;
     PathRadiance out(classes, counts);
     for (int64_t i = 0; i < samples && !stop; ++i) {

@@ -3,7 +3,6 @@
  */
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/parallel.h"
 #include "recurse/report/figures/figures.h"
 #include "recurse/report/stills/stills.h"
 #include "report/figures/visiblePoints.h"
@@ -25,20 +24,14 @@ struct SeenPatch {
   bool operator==(const SeenPatch&) const = default;
 };
 
-std::vector<SeenPatch> seenPatches(const Scene& scene, const Integrator& radiosity) {
-  const PixelBounds& crop = scene.film().crop;
-  const auto width = size_t(crop.width());
-  std::vector<SeenPatch> seen(crop.area());
-  parallelFor(size_t(crop.height()), [&](size_t row) {
-    for (size_t column = 0; column < width; ++column) {
-      const auto ray =
-          scene.camera().validRay({.film = Vec2f(crop.x0 + int(column), crop.y0 + int(row)) + 0.5f});
-      if (!ray) continue;
-      const std::optional<Hit> hit = followRay(scene, *ray, [](const Hit*) {});
-      if (!hit) continue;
-      if (const auto patch = radiosity.patchAt(*hit))
-        seen[row * width + column] = {*patch, glm::dot(ray->direction, hit->point.geometricNormal) > 0};
-    }
+std::vector<SeenPatch> seenPatches(const Scene& scene, const Integrator& radiosity,
+                                   const std::atomic<bool>& stop) {
+  std::vector<SeenPatch> seen(scene.film().crop.area());
+  visitMiddleRays(scene, stop, [&](size_t pixel, const CameraRay& ray) {
+    const std::optional<Hit> hit = followRay(scene, ray, [](const Hit*) {});
+    if (!hit) return;
+    if (const auto patch = radiosity.patchAt(*hit))
+      seen[pixel] = {*patch, glm::dot(ray.direction, hit->point.geometricNormal) > 0};
   });
   return seen;
 }
@@ -90,7 +83,9 @@ std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity
         "divides into patches; the scene has none");
   const Image indirect = layerPicture(film, INDIRECT), all = layerPicture(film, ALL);
   const float exposure = automaticExposure(indirect);
-  const Image byPatch = patchPicture(film.bounds(), seenPatches(scene, radiosity), patches);
+  const std::vector<SeenPatch> seen = seenPatches(scene, radiosity, stop);
+  if (stop) return {};
+  const Image byPatch = patchPicture(film.bounds(), seen, patches);
   return {{byPatch, formatted("indirect light of %zu patches", patches.size()), 0, 0, exposure},
           {indirect, "interpolated", 0, 1, exposure},
           {all, "with direct light", 0, 2, automaticExposure(all)}};

@@ -1,12 +1,16 @@
 /** @file
- * Surface points that the middles of pixels see: figures of direct light sample light there, without any
- * other noise.
+ * Rays through the middles of pixels, and the surface points that they see: figures of direct light sample
+ * light there, without any other noise.
  */
 #pragma once
 
+#include <atomic>
 #include <functional>
+#include <optional>
 #include <vector>
 
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
 #include "recurse/model/scene/scene.h"
 
 namespace recurse {
@@ -14,7 +18,7 @@ namespace recurse {
 /** Non-delta surface point seen from a pixel, directly or through mirrors and glass. */
 struct ViewedPoint {
   Hit hit;
-  const Bsdf* bsdf = nullptr; ///< in the arena of viewOfPixel()
+  const Bsdf* bsdf = nullptr; ///< valid within the call of visitViews()
   Vec3f wi{0};                ///< unit, back along the camera path
   Rgb weight{0};              ///< throughput from the camera
 };
@@ -25,27 +29,41 @@ struct PixelView {
   std::vector<ViewedPoint> points;
 };
 
-/**
- * Follows mirrors and glass by all their directions, up to MAX_DELTA_DEPTH events and down to
- * MIN_DELTA_WEIGHT. Media and priorities of dielectrics are ignored: see requireVisiblePoints().
- */
-PixelView viewOfPixel(const Scene& scene, int x, int y, BsdfArena& arena);
-constexpr int MAX_DELTA_DEPTH = 16;
-constexpr float MIN_DELTA_WEIGHT = 0.01f;
-
-/** Throws Error for scenes that viewOfPixel() does not follow. */
+/** Throws Error for scenes with media, priorities of dielectrics, or no light. */
 void requireVisiblePoints(const Scene& scene);
 
-/** Calls use(pixel, view) for all pixels of the crop window, on all threads; `pixel` counts row by row. Skips
- * pixels once `stop` is true. */
+/** Ray through the middle of a pixel and of the lens, in the middle of the exposure. Empty: see
+ * Camera::validRay(). */
+std::optional<CameraRay> middleRay(const Scene& scene, int x, int y);
+
+/** Calls use(pixel, ray) for the middle ray of each pixel of the crop window that has one, on all threads;
+ * `pixel` counts row by row. Skips pixels once `stop` is true. */
+void visitMiddleRays(const Scene& scene, const std::atomic<bool>& stop,
+                     const std::function<void(size_t pixel, const CameraRay&)>& use);
+
+/** The same with what the ray sees. Follows mirrors and glass by all their directions, up to MAX_DELTA_DEPTH
+ * events and down to MIN_DELTA_WEIGHT. */
 void visitViews(const Scene& scene, const std::atomic<bool>& stop,
                 const std::function<void(size_t pixel, const PixelView&)>& use);
+constexpr int MAX_DELTA_DEPTH = 16;
+constexpr float MIN_DELTA_WEIGHT = 0.01f;
 
 /** Calls use(hit) for the emitting surfaces on the ray, up to the first that scatters, whose hit is returned;
  * and use(nullptr) if it leaves the scene. */
 std::optional<Hit> followRay(const Scene& scene, Ray ray, const std::function<void(const Hit*)>& use);
 
-/** Ray from a surface point to a light sample, or to infinity. Not occluded: the light is visible. */
-Ray rayToLight(const SurfacePoint& from, const Vec3f& origin, const LiSample& light);
+/** Light sample of a viewed point. */
+struct ViewedLight {
+  LiSample light;
+  float density = 0;   ///< of the light and its sample [1/sr], or its probability
+  Rgb contribution{0}; ///< unoccluded, to the pixel, times the density
+};
+
+/** Samples a light for next-event estimation. Empty: it contributes nothing. */
+std::optional<ViewedLight> sampleLight(const Scene& scene, const ViewedPoint& visible,
+                                       const ScatteringPoint& scattering, Sampler& sampler);
+
+/** Whether a shadow ray from `origin`, near the point, is blocked. */
+bool isBlocked(const Scene& scene, const SurfacePoint& from, const Vec3f& origin, const LiSample& light);
 
 } // namespace recurse

@@ -6,15 +6,11 @@
 #include <cmath>
 
 #include "recurse/core/threads/parallel.h"
+#include "report/figures/visiblePoints.h"
 
 namespace recurse {
 
 namespace {
-
-/** Ray through the middle of a pixel. */
-std::optional<CameraRay> middleRay(const Scene& scene, const ReferencePoint& pixel) {
-  return scene.camera().validRay({{static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f}});
-}
 
 /** Albedo of the surface that the ray hits, if it is Lambertian; sets the point. Black otherwise. */
 Rgb albedoOf(const Scene& scene, const Ray& ray, ReferencePoint& out) {
@@ -103,7 +99,7 @@ std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator
     ReferencePoint& p = points[i];
     p.x = pixels[i].x;
     p.y = pixels[i].y;
-    if (const std::optional<CameraRay> ray = middleRay(scene, p))
+    if (const std::optional<CameraRay> ray = middleRay(scene, p.x, p.y))
       estimateReference(scene, integrator, classes, *ray, samples, hashCombine(seed, i), stop, p);
   });
   std::erase_if(points, [](const ReferencePoint& p) { return p.samples == 0; });
