@@ -156,9 +156,9 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
   const std::vector<Way> differing = waysThatShareOutDifferently(), all = everyWay();
   std::vector<Way> many = differing; // and of all every fifth, where nearly any two choices meet
   for (size_t i = 0; i < all.size(); i += 5) many.push_back(all[i]);
-  // Each scene takes every fourth way, and each way comes on a fourth of them. Sums are exact: sanitizers,
-  // which look for something else, see every sixteenth.
-  constexpr size_t STRIDE = SANITIZED ? 16 : 4;
+  // Each scene takes every eighth way, and each way comes on an eighth of them. Sums are exact: sanitizers,
+  // which look for something else, see a quarter of that.
+  constexpr size_t STRIDE = SANITIZED ? 32 : 8;
   for (size_t i = 0; i < scenes.size(); ++i) {
     const auto& [name, scene] = scenes[i];
     ASSERT_TRUE(scene) << name;
