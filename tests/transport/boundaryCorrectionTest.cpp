@@ -469,20 +469,20 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
   std::erase_if(behind, [](const Photon& p) { return p.position.x > -.5f; });
   elsewhere.build(behind);
   float whole = 0, part = 0, none = 0;
-  EXPECT_EQ(gap.estimate(map, whole).rest, 1);
+  EXPECT_EQ(gap.estimate(map, whole).unknownWeight, 1);
   settings.errors = {1, .01, .1};
   ASSERT_EQ(settings.errors.photonWeight(1), 1);
   for (const bool weighed : {false, true}) {
-    settings.leavesRestToRays = true;
+    settings.leavesLightToRays = true;
     settings.weighedAgainstRays = weighed;
     const GatherResult used = gap.estimate(map, part);
     ASSERT_LT(used.radius, .05f);
     const float left = square(used.radius / settings.radius);
-    EXPECT_NEAR(used.rest, weighed ? settings.errors.photonWeight(double(left)) : left, 1e-5f);
-    EXPECT_LT(used.rest, .99f);
-    EXPECT_NEAR(part, used.rest * whole, 1e-5f * whole);
+    EXPECT_NEAR(used.unknownWeight, weighed ? settings.errors.photonWeight(double(left)) : left, 1e-5f);
+    EXPECT_LT(used.unknownWeight, .99f);
+    EXPECT_NEAR(part, used.unknownWeight * whole, 1e-5f * whole);
     // Rays bring as much where there happens to be no photon.
-    EXPECT_EQ(gap.estimate(elsewhere, none).rest, used.rest);
+    EXPECT_EQ(gap.estimate(elsewhere, none).unknownWeight, used.unknownWeight);
   }
 }
 
@@ -655,7 +655,7 @@ TEST(BoundaryCorrection, PhotonsInOnePointTellNoRadius) {
     map.build(all);
     cache.build(*scene, map, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
     EXPECT_GT(cache.size(), 0u);
-    for (size_t i = 0; i < cache.size(); ++i) EXPECT_GT(cache.place(i).radius, 0);
+    for (size_t i = 0; i < cache.size(); ++i) EXPECT_GT(cache.record(i).radius, 0);
     EXPECT_GT(cache.at(point, {0, 0, 1}).radius, 0);
   }
 }

@@ -110,8 +110,8 @@ AttributeEnd)");
   ASSERT_TRUE(scene);
   PortalSampler portals;
   portals.learn(*scene);
-  EXPECT_GT(portals.part(), 0);
-  EXPECT_LT(portals.part(), 0.5f);
+  EXPECT_GT(portals.probability(), 0);
+  EXPECT_LT(portals.probability(), 0.5f);
 }
 
 TEST(PortalSampler, IsLeftOutUnderTheOpenSky) {

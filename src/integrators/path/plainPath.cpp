@@ -111,18 +111,18 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     std::optional<UniformGuide> uniform;
     if (!settings.sampleBsdf && !vertex.medium)
       vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
-    LightSampleContext place{vertex.point().position};
+    LightSampleContext lightContext{vertex.point().position};
     if (vertex.isConnectable()) {
-      if (!vertex.medium) place = lightSampleContext(lights, vertex.point(), vertex.wi);
+      if (!vertex.medium) lightContext = lightSampleContext(lights, vertex.point(), vertex.wi);
       const int panes = panesLeft(settings.maxDepth, vertex.depth);
       if (scene.hasMedia())
-        addSampledLightInMedia(scene, lights, place,
+        addSampledLightInMedia(scene, lights, lightContext,
                                {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
                                 vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
                                 true, path.optical},
                                settings.lightSamples, panes, sampler, out);
       else
-        addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+        addSampledLight(scene, lights, lightContext, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
                         vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
                         out, path.optical);
     }
@@ -141,7 +141,7 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       caustic.leaveDelta(-vertex.wi, s->direction, vertex.point());
     isScattered = isScattered || !path.delta;
     if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
-      last = {place, static_cast<float>(path.pdf), !path.delta};
+      last = {lightContext, static_cast<float>(path.pdf), !path.delta};
   }
 }
 

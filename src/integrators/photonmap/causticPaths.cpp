@@ -81,7 +81,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
     if (!isTaken(query.settings, sampler)) return mergingUnseen(query.settings, width * photons.scale());
-    BoundaryCorrection boundary{scene, sampler.fork(FORK), query.place.known, query.place.away};
+    BoundaryCorrection boundary{scene, sampler.fork(FORK), query.cached.known, query.cached.away};
     if (out.recorder) out.recorder->beginEstimate(out.recorder->source.vertex, true);
     const GatherResult result =
         gather(photons.caustics().map, query.settings, scattering, point, wi, width * photons.scale(),

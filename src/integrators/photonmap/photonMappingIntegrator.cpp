@@ -104,10 +104,10 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
-  const float part = path.part * path.etaScale;
+  const float scale = path.remainingWeight * path.etaScale;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[size_t(i)];
-    worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * part;
+    worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * scale;
     total += worth[i];
     if (worth[i] > 0) least = std::min(least, worth[i]);
   }
@@ -152,17 +152,17 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
   const Vec3f wi = -path.ray.direction;
   PhotonShare direct = std::exchange(path.direct, {});
   direct.ratio.arrive(path.ray.direction, hit.point);
-  direct.rest = std::exchange(path.share, 1);
+  direct.unknownWeight = std::exchange(path.share, 1);
   LightSampleContext context;
   if (!settings.directLight) {
     context = lightSampleContext(lights, hit.point, wi);
     addDirectLight(scene, path, context, direct, hit, scattering, sampler, out);
   }
   Rgb unshared = path.sharedThroughput();
-  path.part *= direct.rest;
+  path.remainingWeight *= direct.unknownWeight;
   float merging = 0;
   PhotonQuery indirect;
-  if (direct.rest > 0) {
+  if (direct.unknownWeight > 0) {
     const PhotonLayer& caustics = photons.caustics();
     merging = addPhotons(scene, caustics, causticIrradiances,
                          photons.query(caustics, hit.point, wi, scattering.lobes()), scattering, hit.point,
@@ -171,11 +171,11 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     indirect = photons.query(photons.indirect(), hit.point, wi, scattering.lobes());
     weighIndirect(path, indirect);
     GatherSettings& gather = indirect.settings;
-    if (gather.rest > 0 || gather.merging > 0) {
+    if (gather.unknownWeight > 0 || gather.merging > 0) {
       const GatherResult used = addPhotons(scene, photons.indirect(), irradiances, indirect, scattering,
                                            hit.point, path, sampler, out);
       gather.merging = used.merging;
-      gather.rest = used.rest;
+      gather.unknownWeight = used.unknownWeight;
     }
   }
 
@@ -195,7 +195,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     next.byRays = false;
     // Estimates at Lambertian surfaces use photons of all directions.
     next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
-    next.share = direct.rest > 0 ? 1 - indirect.settings.rest * (1 - next.lightShare) : 0;
+    next.share = direct.unknownWeight > 0 ? 1 - indirect.settings.unknownWeight * (1 - next.lightShare) : 0;
     if (indirect.settings.weighedAgainstRays && !scene.hasMedia())
       next.direct = {1 - next.lightShare,
                      MergeRatio(indirect.settings.merging, s->pdf, s->direction, hit.point)};
@@ -214,7 +214,7 @@ void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit
                               const ScatteringPoint& scattering, Sampler& sampler, PathRadiance& out) const {
   const PathClasses& classes = out.pathClasses();
   path.camera = classes.step(path.camera, PathEvent::D, surfaceKind(classes, hit));
-  path.part *= std::exchange(path.share, 1);
+  path.remainingWeight *= std::exchange(path.share, 1);
   path.direct = {};
   path.shared = {};
   if (classes.dead(path.camera) || !goesOn(path, sampler)) return;
@@ -263,7 +263,7 @@ void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const 
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
-  const float worth = maxComponent(path.throughput) * path.etaScale * path.part;
+  const float worth = maxComponent(path.throughput) * path.etaScale * path.remainingWeight;
   const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
   return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);
 }

@@ -95,8 +95,8 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
   const int panes = panesLeft(settings.maxDepth, path.depth);
   if (share.merged == 0) {
     addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
-                    path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
-                    panes, sampler, out, path.optical);
+                    path.sharedThroughput() * share.unknownWeight, path.camera, settings.lightSamples,
+                    NON_DELTA_LOBES, panes, sampler, out, path.optical);
     return;
   }
   const PathClasses& classes = out.pathClasses();
@@ -119,13 +119,13 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
       recordLightSample(*out.recorder, path.recordedVertex, scattering, wi, *light, chosen.probability,
                         settings.lightSamples, NON_DELTA_LOBES);
     const float weight =
-        free.panes > 0 ? share.rest
+        free.panes > 0 ? share.unknownWeight
                        : share.camera(photons.arrivals(scene, chosen.index, pdf,
                                                        absDot(light->direction, hit.point.geometricNormal),
                                                        light->distance, chosen.probability),
                                       scattering.pdfNonDelta(light->direction, wi));
     recordWeight(out, weight);
-    radiance *= weight * path.part;
+    radiance *= weight * path.remainingWeight;
     out.add(classes.lightStart(chosen.index), state, radiance * free.value,
             lengthToLight(scene, path.optical, scattering, wi, hit.point, *light));
   }

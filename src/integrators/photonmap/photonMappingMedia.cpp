@@ -86,8 +86,8 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);
   for (; i < rays.others && !out.abandoned(); ++i) {
     // A forked sampler keeps the random numbers of the path unchanged.
-    Sampler own = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
-    addRay(i, own);
+    Sampler raySampler = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
+    addRay(i, raySampler);
   }
 }
 

@@ -14,13 +14,13 @@ namespace recurse {
 
 /** Weights of light straight to a surface, shared with photons that are merged at the previous surface. */
 struct PhotonShare {
-  float merged = 0; ///< fraction of the light that the weights of mergeWeights.h apply to
-  MergeRatio ratio; ///< merge ratio up to the surface
-  float rest = 1;   ///< weight of the camera path where the photons' density is unknown
+  float merged = 0;        ///< fraction of the light that the weights of mergeWeights.h apply to
+  MergeRatio ratio;        ///< merge ratio up to the surface
+  float unknownWeight = 1; ///< weight of the camera path where the photons' density is unknown
 
   /** Weight of the camera path; `pdf`: of photons scattered by the surface back along the path [1/sr]. */
   float camera(float arrivals, float pdf) const {
-    if (merged == 0 || !std::isfinite(arrivals)) return rest;
+    if (merged == 0 || !std::isfinite(arrivals)) return unknownWeight;
     return 1 - merged + merged * ratio.cameraWeight(arrivals, pdf);
   }
 };
@@ -39,13 +39,13 @@ struct PathState {
   CameraState camera;
   Nesting nesting;
   Rgb throughput{1};
-  float part = 1;       ///< weight of the path's light that photons at earlier vertices left to it
-  float etaScale = 1;   ///< cancels the factor 1/η² inside glass
-  float mediaScale = 1; ///< cancels the attenuation by media, which must not prune a branch
-  int depth = 0;        ///< number of scattering events
-  int nonDelta = 0;     ///< number of scattering events by non-delta lobes
-  float wavelength = 0; ///< wavelength, see Subpath
-  OpticalPath optical;  ///< optical length, see Subpath
+  float remainingWeight = 1; ///< weight of the path's light that photons at earlier vertices left to it
+  float etaScale = 1;        ///< cancels the factor 1/η² inside glass
+  float mediaScale = 1;      ///< cancels the attenuation by media, which must not prune a branch
+  int depth = 0;             ///< number of scattering events
+  int nonDelta = 0;          ///< number of scattering events by non-delta lobes
+  float wavelength = 0;      ///< wavelength, see Subpath
+  OpticalPath optical;       ///< optical length, see Subpath
   // State since the last non-delta scattering event, or since the camera:
   float distance = 0;                ///< length of the path [scene units]
   bool delta = false;                ///< through mirrors and glass, thin panes excluded
@@ -61,7 +61,7 @@ struct PathState {
   int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 
   /** Throughput of light that photons at earlier vertices represent as well. */
-  Rgb sharedThroughput() const { return throughput * part; }
+  Rgb sharedThroughput() const { return throughput * remainingWeight; }
 
   /** Path after a scattering event; `pane`: it went straight through a thin pane. */
   PathState after(const Hit& hit, const Scatter& s, bool pane = false) const {

@@ -7,20 +7,20 @@ namespace recurse {
 
 void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) const {
   GatherSettings& gather = query.settings;
-  gather.leavesRestToRays =
+  gather.leavesLightToRays =
       mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !settings.directLight;
-  if (path.nonDelta == 0 && gather.leavesRestToRays) {
+  if (path.nonDelta == 0 && gather.leavesLightToRays) {
     photons.weighAgainstRays(query, path.ray.width);
     return;
   }
   if (mayGoOn() && photons.hasTooFewPhotons()) {
-    gather.rest = 0;
+    gather.unknownWeight = 0;
   } else if (path.nonDelta == 0) {
-    gather.rest = settings.finalGather > 0 ? 0 : 1;
+    gather.unknownWeight = settings.finalGather > 0 ? 0 : 1;
   } else {
     // A surface closer than the blur of the map would see it, and needs rays instead.
     const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
-    gather.rest = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
+    gather.unknownWeight = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
   }
 }
 
@@ -37,11 +37,11 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
   if (hasRecord(cache, query, scattering, point, path)) {
     beginEstimate();
     const GatherSettings search = atRecord(layer, query);
-    const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
-      const RadiusCache::Place& place = layer.cache().place(query.place.index);
-      BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.place.index)),
-                                  &place.around};
-      return irradiance(layer.map, search, place.position, place.normal, place.error,
+    const Rgb e = cache.at(query.cached.index, out.counts, [&](TransportCounts& counts) {
+      const RadiusCache::Record& record = layer.cache().record(query.cached.index);
+      BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.cached.index)),
+                                  &record.around};
+      return irradiance(layer.map, search, record.position, record.normal, record.error,
                         settings.edges ? &boundary : nullptr, counts);
     });
     if (!isBlack(e))
@@ -49,7 +49,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
               path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
     GatherResult weights;
     weights.merging = mergingWithin(search.merging, square(search.radius));
-    weights.rest = search.rest;
+    weights.unknownWeight = search.unknownWeight;
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
@@ -60,8 +60,8 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     return weights;
   }
   beginEstimate();
-  BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
-                              query.place.away};
+  BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.cached.known,
+                              query.cached.away};
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(),
              path.camera, out, settings.edges ? &boundary : nullptr, path.optical);
@@ -75,17 +75,17 @@ bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& q
                               const ScatteringPoint& scattering, const SurfacePoint& point,
                               const PathState& path) const {
   constexpr float MAX_DISTANCE = 0.5f; // relative to the record's radius
-  const CachedRadius& near = query.place;
+  const CachedRadius& near = query.cached;
   return cache.size() > 0 && path.nonDelta > 0 && near.known &&
          near.away <= MAX_DISTANCE * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&
          !(scattering.lobes() & TRANSMISSION) && point.shadingNormal == point.geometricNormal;
 }
 
 GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
-  GatherSettings search = photons.searchWithin(layer, layer.cache().place(query.place.index).radius);
+  GatherSettings search = photons.searchWithin(layer, layer.cache().record(query.cached.index).radius);
   search.weighedAgainstRays = query.settings.weighedAgainstRays;
   search.merging = query.settings.merging;
-  search.rest = query.settings.rest;
+  search.unknownWeight = query.settings.unknownWeight;
   return search;
 }
 

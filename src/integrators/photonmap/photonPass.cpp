@@ -262,11 +262,11 @@ void PhotonPass::learnChances() {
   const RadiusCache& cache = causticLayer.cache();
   causticChances.assign(cache.size(), LEAST);
   for (size_t i = 0; i < cache.size(); ++i) {
-    const RadiusCache::Place& place = cache.place(i);
-    const double all = std::max(double(place.worth.irradiance), double(place.irradiance));
+    const RadiusCache::Record& record = cache.record(i);
+    const double all = std::max(double(record.worth.irradiance), double(record.irradiance));
     if (all > 0)
       causticChances[i] =
-          static_cast<float>(std::clamp(double(place.irradiance) / (PART * all), double(LEAST), 1.0));
+          static_cast<float>(std::clamp(double(record.irradiance) / (PART * all), double(LEAST), 1.0));
   }
 }
 
@@ -275,9 +275,9 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
   for (const VisiblePoint& visible : seen) {
     const auto at = [&](const PhotonLayer& layer) {
       const CachedRadius near = layer.cache().at(visible.point.position, visible.point.geometricNormal);
-      return near.known ? &layer.cache().place(near.index) : nullptr;
+      return near.known ? &layer.cache().record(near.index) : nullptr;
     };
-    const RadiusCache::Place *caustic = at(causticLayer), *other = at(indirectLayer);
+    const RadiusCache::Record *caustic = at(causticLayer), *other = at(indirectLayer);
     if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
     const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
     sum += double(caustic->worth.raysVariance) / square(all);
@@ -292,8 +292,8 @@ float searchCost(const PhotonQuery& query, LobeSet lobes) {
   constexpr float PHOTONS = 0.1f;    ///< summation of photons, eight at a time
   constexpr float SCATTERING = 0.6f; ///< evaluation of each photon by a BSDF that is not Lambertian
   constexpr float AROUND = 0.8f;     ///< rays that search for the edges of the surface
-  const CachedRadius& place = query.place;
-  const bool isFlat = place.known && query.settings.radius <= place.known->flat - place.away;
+  const CachedRadius& cached = query.cached;
+  const bool isFlat = cached.known && query.settings.radius <= cached.known->flat - cached.away;
   return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
 }
 
@@ -302,8 +302,8 @@ float searchCost(const PhotonQuery& query, LobeSet lobes) {
 PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
                               LobeSet lobes) const {
   PhotonQuery here{layer.choice.settings, {}};
-  if (progressive || settings.edges) here.place = layer.cache().at(point.position, point.normalTowards(wi));
-  if (progressive) here.settings = searchWithin(layer, here.place.radius);
+  if (progressive || settings.edges) here.cached = layer.cache().at(point.position, point.normalTowards(wi));
+  if (progressive) here.settings = searchWithin(layer, here.cached.radius);
   here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
@@ -311,7 +311,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
         causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
-    if (!causticChances.empty()) here.settings.chance = causticChances[here.place.index];
+    if (!causticChances.empty()) here.settings.chance = causticChances[here.cached.index];
   } else {
     here.settings.weighting = settings.weighting;
   }
@@ -327,27 +327,27 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   constexpr double UNSURE_FRACTION = 0.01 * 32;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
-  gather.merging = gather.rest = 0;
+  gather.merging = gather.unknownWeight = 0;
   if (tooFew || indirectLayer.cache().size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
-  const RadiusCache::Place& place = indirectLayer.cache().place(query.place.index);
-  const auto variance = double(place.variance), squared = square(double(place.irradiance));
+  const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
+  const auto variance = double(record.variance), squared = square(double(record.irradiance));
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
   const double pixels =
       std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
   const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
   GatherErrors& errors = gather.errors;
   errors.variance = stain * variance;
-  errors.bias2 = double(place.bias2);
-  if (!query.place.known || place.radius > place.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
+  errors.bias2 = double(record.bias2);
+  if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
                                       (errors.variance + errors.bias2));
   // Relative variance of rays where the cache has none, as in scenes with media: most indirect light of a
   // room comes from about a tenth of the directions.
   constexpr double FEW_DIRECTIONS = 10;
   errors.byRays =
-      std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
-  gather.rest = errors.photonWeight(1);
+      std::isfinite(record.worth.instead) ? double(record.worth.raysVariance) : FEW_DIRECTIONS * squared;
+  gather.unknownWeight = errors.photonWeight(1);
   if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
 }
 

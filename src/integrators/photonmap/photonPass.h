@@ -66,7 +66,7 @@ struct MediaPhotons {
 /** Parameters of a photon search at a point. */
 struct PhotonQuery {
   GatherSettings settings;
-  CachedRadius place;
+  CachedRadius cached;
   float cost = 0; ///< estimated processor time of the search [camera paths]
 };
 
@@ -130,7 +130,7 @@ class PhotonPass {
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
   /** Whether reading the indirect layer costs less than continuing the path, for the variance it saves. */
   bool paysInstead(const PhotonQuery& query) const {
-    return !query.place.known || query.cost < indirectLayer.cache().place(query.place.index).worth.instead;
+    return !query.cached.known || query.cost < indirectLayer.cache().record(query.cached.index).worth.instead;
   }
   /** Settings of a search whose radius in the first pass was `firstRadius` [scene units]. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;

@@ -63,15 +63,15 @@ class Radiosity final : public Integrator {
     const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
     if (!walker.next(path, vertex, sampler, addEmission)) return;
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
-    const auto place = vertex.isConnectable() ? find(vertex.hit, *vertex.scattering) : std::nullopt;
-    if (!place) return;
+    const auto patchPoint = vertex.isConnectable() ? find(vertex.hit, *vertex.scattering) : std::nullopt;
+    if (!patchPoint) return;
     const Vec3f normal = vertex.point().normalTowards(vertex.wi);
     const Rgb f = vertex.scattering->value(vertex.wi, normal);
     const size_t side = sideOf(vertex.wi, vertex.point());
     for (size_t s = 0; s < states; ++s) {
       Rgb e = BLACK;
       for (size_t k = 0; k < 3; ++k)
-        e += cornerIrradiance[at(place->corners[k], side, s)] * place->weights[k];
+        e += cornerIrradiance[at(patchPoint->corners[k], side, s)] * patchPoint->weights[k];
       if (!isBlack(e)) out.add(LightState(static_cast<uint8_t>(s)), vertex.afterD, f * e);
     }
   }
@@ -207,10 +207,10 @@ class Radiosity final : public Integrator {
         continue;
       }
       const ScatteringPoint scattering(*bsdf, hit.point);
-      const auto place = find(hit, scattering);
-      if (!place) return 0;
+      const auto patchPoint = find(hit, scattering);
+      if (!patchPoint) return 0;
       const Vec3f wi = -ray.direction;
-      const uint32_t patch = place->patch;
+      const uint32_t patch = patchPoint->patch;
       const size_t side = sideOf(wi, hit.point);
       const Rgb albedo = scattering.value(wi, hit.point.normalTowards(wi)) * PI;
       const float perArea = 1 / patches.area(patch);

@@ -50,8 +50,8 @@ float freeHeight(const Neighbourhood& around, float radius) {
 float wallMargin(const GatherRegion& region, float error) { return 1e-3f * region.radius + 2 * error; }
 
 /** Ray from `height` above a point of the tangent plane to the same distance below it. */
-Ray downThrough(const Vec3f& place, const Vec3f& normal, float height) {
-  return {place + normal * height, -normal, 2 * height};
+Ray downThrough(const Vec3f& position, const Vec3f& normal, float height) {
+  return {position + normal * height, -normal, 2 * height};
 }
 
 /** Directions in a plane, at equal angles with a random rotation. */
@@ -66,11 +66,11 @@ template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn
 }
 
 /** Depth of the next surface below a point, up to `most`; infinite if there is none. */
-float depthBelow(const Scene& scene, const Vec3f& place, const Vec3f& normal, float error, float most,
+float depthBelow(const Scene& scene, const Vec3f& position, const Vec3f& normal, float error, float most,
                  TransportCounts& counts) {
   const float start = 4 * error; // start below the surface itself
   Hit hit;
-  if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts))
+  if (!intersectNonDelta(scene, {position - normal * start, -normal, most - start}, hit, counts))
     return INFINITE;
   return start + hit.t;
 }
@@ -93,10 +93,10 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
       met[i] = hit.t;
       Vec3f normal = hit.point.geometricNormal;
       if (glm::dot(normal, directions[i]) > 0) normal = -normal;
-      const Vec3f place = hit.point.position + normal * margin;
+      const Vec3f position = hit.point.position + normal * margin;
       const bool known = std::any_of(
           found.planes.begin(), found.planes.begin() + found.planeCount,
-          [&](const BoundaryPlane& b) { return glm::dot(place, b.normal) < b.offset + 2 * margin; });
+          [&](const BoundaryPlane& b) { return glm::dot(position, b.normal) < b.offset + 2 * margin; });
       if (!known) found.add({normal, glm::dot(hit.point.position, normal), BoundaryPlane::WALL});
     }
   };
@@ -113,12 +113,12 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
 
 /** Directions of points in a unit disc, uniform by a sunflower spiral: unit vectors in its plane. */
 template <int N> struct Spiral {
-  std::array<Vec2f, N> places;
+  std::array<Vec2f, N> directions;
   Spiral() {
     constexpr float GOLDEN_ANGLE = 2.39996323f;
     for (int i = 0; i < N; ++i)
-      places[size_t(i)] = {std::cos(GOLDEN_ANGLE * static_cast<float>(i)),
-                           std::sin(GOLDEN_ANGLE * static_cast<float>(i))};
+      directions[size_t(i)] = {std::cos(GOLDEN_ANGLE * static_cast<float>(i)),
+                               std::sin(GOLDEN_ANGLE * static_cast<float>(i))};
   }
 };
 
@@ -135,7 +135,7 @@ float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, con
     for (int i = 0; i < N; ++i) {
       const float q = (static_cast<float>(i) + u.x) / N;
       all += shape(q);
-      const Vec2f& at = spiral.places[size_t(i)];
+      const Vec2f& at = spiral.directions[size_t(i)];
       const Vec3f offset = (x * at.x + y * at.y) * (region.radius * std::sqrt(q));
       sum += weight(offset, q, shape);
     }
@@ -152,9 +152,9 @@ class SurfaceProbe {
       : scene(scene), error(error), region(region), start(std::max(height, 4 * error)), counts(counts) {}
 
   /** Whether the surface continues in the plane at a point of it. */
-  bool flat(const Vec3f& place) {
+  bool flat(const Vec3f& position) {
     constexpr float SAME_PLANE = 0.9998f;
-    return cosine(place) >= SAME_PLANE && !isStep(place);
+    return cosine(position) >= SAME_PLANE && !isStep(position);
   }
   /** Height of the last probe above the tangent plane [scene units]. */
   float height() const { return lastHeight; }
@@ -198,14 +198,14 @@ class SurfaceProbe {
  private:
   /** Whether the last probe is higher or lower than the slope within one plane allows, as on a board on a
    * table. */
-  bool isStep(const Vec3f& place) const {
+  bool isStep(const Vec3f& position) const {
     constexpr float SLOPE = 0.02f; // slope that SAME_PLANE allows
-    return lastHeight > SLOPE * glm::distance(place, region.center) + 4 * error;
+    return lastHeight > SLOPE * glm::distance(position, region.center) + 4 * error;
   }
   /** Cosine between the normals of surface and plane; 0 if there is no surface. */
-  float cosine(const Vec3f& place) {
+  float cosine(const Vec3f& position) {
     Hit hit;
-    if (!intersectNonDelta(scene, downThrough(place, region.normal, start), hit, counts)) return 0;
+    if (!intersectNonDelta(scene, downThrough(position, region.normal, start), hit, counts)) return 0;
     lastHeight = std::abs(glm::dot(hit.point.position - region.center, region.normal));
     return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
   }
@@ -236,7 +236,7 @@ float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
   const float angle = 2 * PI * turn / ANGLES;
   const Vec3f x = frame.x * std::cos(angle) + frame.y * std::sin(angle), y = glm::cross(region.normal, x);
   return withKernel(kernel, [&](auto k) {
-    Float8 part(0);
+    Float8 fraction(0);
     for (int i = 0; i < ANGLES; i += 8) {
       Float8 inverse(1); // reciprocal of the remaining distance in radii
       for (size_t j = 0; j < region.clipCount; ++j) {
@@ -245,9 +245,9 @@ float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
         inverse = max(inverse, Float8::load(circle.cosine + i) * Float8(glm::dot(clip.normal, x) * scale) +
                                    Float8::load(circle.sine + i) * Float8(glm::dot(clip.normal, y) * scale));
       }
-      part += kernelPart<decltype(k)::value>(Float8(1) / (inverse * inverse));
+      fraction += kernelPart<decltype(k)::value>(Float8(1) / (inverse * inverse));
     }
-    return sum(part) / ANGLES;
+    return sum(fraction) / ANGLES;
   });
 }
 
@@ -278,13 +278,13 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
     const float distance = ring * region.radius;
     for (size_t i = 0; i < DIRECTIONS; ++i) {
       if (walls[i] <= distance) continue;
-      const Vec3f place = region.center + rays[i] * distance;
-      if (!found.sees(place)) continue;
-      if (probe.flat(place)) {
+      const Vec3f position = region.center + rays[i] * distance;
+      if (!found.sees(position)) continue;
+      if (probe.flat(position)) {
         found.relief = std::max(found.relief, probe.height());
         continue;
       }
-      const auto edge = probe.edge(region.center + rays[i] * before, place, distance);
+      const auto edge = probe.edge(region.center + rays[i] * before, position, distance);
       if (!edge || found.planeCount == Neighbourhood::MAX_PLANES) return found;
       found.add(*edge);
     }
@@ -344,11 +344,11 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   if (!boundary.known || region.radius > boundary.known->reach - boundary.away) {
     constexpr int DIRECTIONS = 8;
     std::array<float, DIRECTIONS> met;
-    boundary.own = {};
-    boundary.own.reach = region.radius;
+    boundary.probed = {};
+    boundary.probed.reach = region.radius;
     findWalls(boundary.scene, error, region, directions<DIRECTIONS>(region.normal, boundary.sampler.next1D()),
-              met, boundary.own, counts);
-    boundary.known = &boundary.own;
+              met, boundary.probed, counts);
+    boundary.known = &boundary.probed;
     boundary.away = 0;
   }
   constexpr float MAX_CLEARANCES = 2; // in a gap, light varies over distances of its height
@@ -369,21 +369,21 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   };
   // Few rays cannot distinguish small fractions, and dividing by one that is too small gives bright spots.
   constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
-  constexpr int MAX_STEPS = 40, FEW_PLACES = 8, MANY_PLACES = 32;
+  constexpr int MAX_STEPS = 40, FEW_POINTS = 8, MANY_POINTS = 32;
   SurfaceInSupport surface;
   float before = 0;
   for (int step = 0; step < MAX_STEPS; ++step) {
     clip();
     if (region.radius <= boundary.flat()) {
       if (region.clipCount == 0) return 1;
-      const float part = unclippedPart(kernel, region, boundary.sampler.next1D());
+      const float fraction = unclippedPart(kernel, region, boundary.sampler.next1D());
       // Reduction is of no help where the fraction stays the same, as in the tip of a wedge.
-      if (part >= MIN_FRACTION || part < 1.05f * before) return std::max(MIN_WEDGE, part);
-      before = part;
+      if (fraction >= MIN_FRACTION || fraction < 1.05f * before) return std::max(MIN_WEDGE, fraction);
+      before = fraction;
       region.radius *= STEP;
       continue;
     }
-    surface = measure<FEW_PLACES>(boundary, error, kernel, region, counts);
+    surface = measure<FEW_POINTS>(boundary, error, kernel, region, counts);
     if (surface.fraction >= MIN_FRACTION && surface.cosine >= MIN_COSINE) {
       if (step == 0) return surface.fraction;
       break;
@@ -391,7 +391,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     region.radius *= std::min(STEP, reductionOf(surface.cosine, MIN_COSINE));
   }
   // Measured again with more points, since the fraction that ended the loop is biased upwards.
-  surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);
+  surface = measure<MANY_POINTS>(boundary, error, kernel, region, counts);
   return surface.fraction > 0 ? std::max(surface.fraction, MIN_FRACTION / 2)
                               : 1; // 0: not visible, nothing is known
 }

@@ -68,7 +68,7 @@ struct BoundaryCorrection {
   Sampler sampler;                      ///< random numbers of the probe rays
   const Neighbourhood* known = nullptr; ///< at a point near by; null: nothing is known
   float away = 0;                       ///< distance to that point
-  Neighbourhood own = {};               ///< found on demand if `known` is null or reaches too short
+  Neighbourhood probed = {};            ///< found on demand if `known` is null or reaches too short
 
   /** Radius around the point in which the surface is known to be flat, see Neighbourhood; else at most 0.
    */

@@ -51,7 +51,7 @@ class Estimate {
            CameraState cameraState)
       : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
         states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(weights.merging),
-        rest(weights.rest),
+        unknownWeight(weights.unknownWeight),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal), cosines(point.normalTowards(eye), shadingSide) {
@@ -138,8 +138,8 @@ class Estimate {
   void forEachPhoton(const PhotonBlock& block, Float8 weight, const Visit& visit) const {
     alignas(32) float w[8];
     weight.store(w);
-    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-      const int lane = std::countr_zero(rest);
+    for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
+      const int lane = std::countr_zero(slots);
       const Rgb power = block.power(lane) * w[lane];
       visit(lane, lambertian ? power
                              : power * value(block.direction(lane),
@@ -152,28 +152,29 @@ class Estimate {
     const Rgb f = scattering.value(eye, light);
     if (isBlack(f) || !(weighed || weighting.ever())) return f;
     const float pdf = scattering.pdfNonDelta(eye, light);
-    return f * (weighting.gathered(pdf) * (weighed ? photonWeight(reverseRatio, merging, pdf, rest) : 1));
+    return f * (weighting.gathered(pdf) *
+                (weighed ? photonWeight(reverseRatio, merging, pdf, unknownWeight) : 1));
   }
 
   /** Weights of photons at a Lambertian surface; 0 for those from behind the shading normal.
    */
   Float8 counted(Float8 weight, const PhotonBlock& block) const {
     if (!bent && !weighed) return weight;
-    if (!bent && !block.reverseRatios) return weight * Float8(rest);
+    if (!bent && !block.reverseRatios) return weight * Float8(unknownWeight);
     Float8 cosine;
     if (bent) {
       const PhotonCosines::Pair pair = cosines.of(block);
       cosine = max(pair.shading, Float8(0));
       weight = weight * max(pair.quotient(), Float8(0));
       if (!weighed) return weight;
-      if (!block.reverseRatios) return weight * Float8(rest);
+      if (!block.reverseRatios) return weight * Float8(unknownWeight);
     } else {
       cosine = max(dot(block.directions(), shadingSide), Float8(0));
     }
     const Float8 ratio = Float8::load(block.reverseRatios);
     const Float8 share =
         Float8(merging) / max(Float8(merging) + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
-    return weight * select(less(Float8(0), ratio), share, Float8(rest));
+    return weight * select(less(Float8(0), ratio), share, Float8(unknownWeight));
   }
 
   void addLanes(size_t i, const Vec3f8& power) {
@@ -189,7 +190,7 @@ class Estimate {
   CameraState cameraState;
   size_t states;
   bool weighed;
-  float merging, rest;
+  float merging, unknownWeight;
   bool lambertian;
   Vec3f shadingSide;
   bool bent; ///< the shading normal differs from the geometric normal
@@ -244,7 +245,7 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   }
   if (!boundary) return support;
   // The weight of rays depends on the support even if it contains no photons.
-  if (!settings.leavesRestToRays && !support.byNearest && support.region.radius > flat &&
+  if (!settings.leavesLightToRays && !support.byNearest && support.region.radius > flat &&
       !anyWithin(map, support.region)) {
     support.empty = true;
     return support;
@@ -303,24 +304,24 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                     const OpticalPath& optical) {
   ++out.counts.gathers;
   GatherResult result;
-  result.rest = settings.rest;
+  result.unknownWeight = settings.unknownWeight;
   result.merging = mergingUnseen(settings, footprint);
   if (map.empty()) return result;
-  GatherRegion place;
-  place.center = point.position;
-  place.normal = point.normalTowards(eye);
-  place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
+  GatherRegion region;
+  region.center = point.position;
+  region.normal = point.normalTowards(eye);
+  region.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
   thread_local PhotonScratch scratch;
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
-  const Support support = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
+  const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
 
   if (settings.chance == 1) result.merging = mergingWithin(settings.merging, support.radius2);
-  result.rest = settings.restWithin(support.radius2);
+  result.unknownWeight = settings.unknownWeightWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
   Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState);
-  const Rgb scale = throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
+  const Rgb scale = throughput * ((settings.weighedAgainstRays ? 1 : result.unknownWeight) * INV_PI /
                                   (support.radius2 * support.fraction * settings.chance));
   if (estimate.oneSum() && !map.hasLengths()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
@@ -355,11 +356,11 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
                const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts) {
   ++counts.gathers;
   if (map.empty()) return BLACK;
-  GatherRegion place;
-  place.center = position;
-  place.normal = normal;
+  GatherRegion region;
+  region.center = position;
+  region.normal = normal;
   thread_local PhotonScratch scratch;
-  const Support support = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
+  const Support support = findKernelSupport(map, settings, region, error, 0, boundary, scratch, counts);
   if (support.empty) return BLACK;
   const float merging = mergingWithin(settings.merging, square(settings.radius));
   const PowerSum s =
@@ -368,7 +369,7 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
           shares[lane] = photonWeight(block.reverseRatios[lane], merging,
-                                      absDot(block.direction(lane), normal) * INV_PI, settings.rest);
+                                      absDot(block.direction(lane), normal) * INV_PI, settings.unknownWeight);
         return weight * Float8::load(shares);
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);

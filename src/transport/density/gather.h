@@ -19,12 +19,13 @@ namespace recurse {
 /** Squared errors that determine the weight of photons whose ratio to rays is unknown. */
 struct GatherErrors {
   double byRays = 0, variance = 0, bias2 = 0;
-  /** Weight of photons if the support has this fraction `part` of the area that the errors refer to. */
-  float photonWeight(double part) const {
+  /** Weight of photons if the support has this fraction `areaFraction` of the area that the errors refer to.
+   */
+  float photonWeight(double areaFraction) const {
     // Bounds of the rays' fraction of the error; beyond them the second estimate costs more than it gains.
     constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;
-    const double rays = part * byRays;
-    const double share = rays > 0 ? rays / (rays + variance + part * bias2) : 0;
+    const double rays = areaFraction * byRays;
+    const double share = rays > 0 ? rays / (rays + variance + areaFraction * bias2) : 0;
     return static_cast<float>(std::clamp((share - ONLY_RAYS) / (ONLY_PHOTONS - ONLY_RAYS), 0.0, 1.0));
   }
 };
@@ -36,21 +37,21 @@ struct GatherSettings {
   float flatness = 0.2f;     ///< flatness of the search region, see GatherRegion
   GatherWeighting weighting; ///< against rays that follow sharp lobes; default: no such rays
   /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h: `merging` is
-   * per unit of kernel area, `rest` the weight of photons whose ratio is unknown. */
+   * per unit of kernel area, `unknownWeight` the weight of photons whose ratio is unknown. */
   bool weighedAgainstRays = false;
-  float merging = 0, rest = 1;
+  float merging = 0, unknownWeight = 1;
   /** Probability with which the caller takes the estimate. One that is taken counts 1/chance. Below 1 the MIS
    * weights are those of the whole `radius`, since the support is unknown where no estimate is taken. */
   float chance = 1;
-  /** Whether the caller's rays add the light that photons lack, and `rest` depends on the support used: on
-   * `errors` if photons are weighted; else on its fraction of the area within `radius` (must be set), so that
-   * no photon is brighter than over all of that area. */
-  bool leavesRestToRays = false;
+  /** Whether the caller's rays add the light that photons lack, and `unknownWeight` depends on the support
+   * used: on `errors` if photons are weighted; else on its fraction of the area within `radius` (must be
+   * set), so that no photon is brighter than over all of that area. */
+  bool leavesLightToRays = false;
   GatherErrors errors = {};
-  float restWithin(float radius2) const {
-    if (!leavesRestToRays) return rest;
-    const float part = std::min(1.0f, radius2 / square(radius));
-    return weighedAgainstRays ? errors.photonWeight(double(part)) : rest * part;
+  float unknownWeightWithin(float radius2) const {
+    if (!leavesLightToRays) return unknownWeight;
+    const float areaFraction = std::min(1.0f, radius2 / square(radius));
+    return weighedAgainstRays ? errors.photonWeight(double(areaFraction)) : unknownWeight * areaFraction;
   }
 };
 
@@ -68,10 +69,10 @@ inline bool isTaken(const GatherSettings& settings, const Sampler& sampler) {
 
 /** Support and weights that an estimate used. */
 struct GatherResult {
-  float radius = 0;  ///< radius of the support [scene units]
-  int found = 0;     ///< number of photons in the support
-  float merging = 0; ///< see GatherSettings; for the kernel's whole area
-  float rest = 1;    ///< see GatherSettings; for this support
+  float radius = 0;        ///< radius of the support [scene units]
+  int found = 0;           ///< number of photons in the support
+  float merging = 0;       ///< see GatherSettings; for the kernel's whole area
+  float unknownWeight = 1; ///< see GatherSettings; for this support
 };
 
 /**

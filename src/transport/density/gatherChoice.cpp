@@ -38,11 +38,11 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
   }
   std::vector<double> radii, found, widths;
   PhotonScratch scratch;
-  for (const VisiblePoint& place : seen) {
-    widths.push_back(double(place.footprint));
+  for (const VisiblePoint& visible : seen) {
+    widths.push_back(double(visible.footprint));
     GatherRegion region;
-    region.center = place.point.position;
-    region.normal = place.point.geometricNormal;
+    region.center = visible.point.position;
+    region.normal = visible.point.geometricNormal;
     region.bothSides = true;
     region.flatness = search.flatness;
     region.radius = anyRadius ? 2 * scene.bounds().radius : search.radius;
@@ -56,13 +56,13 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
       found.push_back(n);
     }
   }
-  const auto part = [](std::vector<double>& v, double p) {
+  const auto quantile = [](std::vector<double>& v, double p) {
     const auto i = static_cast<std::ptrdiff_t>(p * double(v.size() - 1));
     std::nth_element(v.begin(), v.begin() + i, v.end());
     return v[size_t(i)];
   };
   if (search.nearest > 0 && requested.nearest == 0 && !radii.empty()) {
-    const double widening = range.width * part(widths, 0.5) / part(radii, 0.5);
+    const double widening = range.width * quantile(widths, 0.5) / quantile(radii, 0.5);
     search.nearest = static_cast<int>(
         std::clamp(range.least * widening * widening, double(range.least), double(range.most)));
     for (double& r : radii) r *= std::sqrt(double(search.nearest) / range.least);
@@ -71,8 +71,8 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
   double typical = double(requested.radius);
   if (search.nearest > 0) {
     if (!radii.empty()) {
-      typical = part(radii, 0.5);
-      if (anyRadius) search.radius = static_cast<float>(2 * part(radii, 0.95));
+      typical = quantile(radii, 0.5);
+      if (anyRadius) search.radius = static_cast<float>(2 * quantile(radii, 0.95));
       statistics.notes.push_back(formatted("density estimate: %s%d nearest photons, median radius %.3g, "
                                            "maximum radius %.3g; diameter of the scene %.3g",
                                            progressive ? "at first " : "", search.nearest, typical,
@@ -83,7 +83,7 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
   } else {
     statistics.notes.push_back(formatted(
         "density estimate: all photons within radius %.3g, median number %.0f; diameter of the scene %.3g",
-        typical, part(found, 0.5), 2 * across));
+        typical, quantile(found, 0.5), 2 * across));
   }
   choice.typicalRadius = static_cast<float>(typical);
   if (map.empty()) {
@@ -95,7 +95,7 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
     return choice;
   }
   if (progressive) return choice; // more passes reduce both artifacts
-  if (const double typicalFound = part(found, 0.5); typicalFound < 25)
+  if (const double typicalFound = quantile(found, 0.5); typicalFound < 25)
     statistics.warnings.push_back(
         formatted("the picture will show blotches: a density estimate uses %.0f photons (median). Emit more "
                   "photons (--photons) or increase the radius (--radius)",

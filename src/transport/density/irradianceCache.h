@@ -16,25 +16,25 @@ namespace recurse {
 class IrradianceCache {
  public:
   /** Clears the cache and resizes it. */
-  void reset(size_t placeCount) {
-    if (placeCount != count) places = std::make_unique<Place[]>(count = placeCount);
-    for (size_t i = 0; i < count; ++i) places[i].set(Rgb(NAN));
+  void reset(size_t recordCount) {
+    if (recordCount != count) records = std::make_unique<Record[]>(count = recordCount);
+    for (size_t i = 0; i < count; ++i) records[i].set(Rgb(NAN));
   }
   /** Irradiance at a record, [W/m²]: result of find(counts) on first use. Thread-safe: several threads may
    * compute it at once, with equal results; it is counted once. */
-  template <class Find> Rgb at(size_t place, TransportCounts& counts, const Find& find) const {
-    const Rgb known = places[place].get();
+  template <class Find> Rgb at(size_t record, TransportCounts& counts, const Find& find) const {
+    const Rgb known = records[record].get();
     if (!std::isnan(known.r + known.g + known.b)) return known;
-    TransportCounts own;
-    const Rgb found = find(own);
-    if (places[place].set(found)) counts.add(own);
+    TransportCounts spent;
+    const Rgb found = find(spent);
+    if (records[record].set(found)) counts.add(spent);
     return found;
   }
   size_t size() const { return count; }
 
  private:
   /** Cached value, complete when no component is NaN: a thread may see components in any order. */
-  struct Place {
+  struct Record {
     std::atomic<float> r, g, b;
     Rgb get() const {
       constexpr auto order = std::memory_order_relaxed;
@@ -48,7 +48,7 @@ class IrradianceCache {
       return std::isnan(r.exchange(c.r, order));
     }
   };
-  std::unique_ptr<Place[]> places;
+  std::unique_ptr<Record[]> records;
   size_t count = 0;
 };
 

@@ -29,23 +29,24 @@ std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, 
   return VisiblePoint{hit.point, 0, hit.material && (hit.material->lobes() & TRANSMISSION)};
 }
 
-using Place = RadiusCache::Place;
+using Record = RadiusCache::Record;
 
 /** Irradiance estimate by one shadow ray, summed over channels [W/m²]. */
-double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
-                        TransportCounts& counts) {
+double directIrradiance(const Scene& scene, const LightSampler& lights, const Record& record,
+                        Sampler& sampler, TransportCounts& counts) {
   Hit hit;
   SurfacePoint& point = hit.point;
-  point.position = place.position;
-  point.error = Vec3f(place.error);
-  point.geometricNormal = point.shadingNormal = place.normal;
-  const SampledLight choice(scene.lights(), lights, lightSampleContext(lights, point, place.normal), sampler);
+  point.position = record.position;
+  point.error = Vec3f(record.error);
+  point.geometricNormal = point.shadingNormal = record.normal;
+  const SampledLight choice(scene.lights(), lights, lightSampleContext(lights, point, record.normal),
+                            sampler);
   const std::optional<LiSample> light = choice.sampleLi(point);
   if (!light || !(light->pdf > 0)) return 0;
-  const float facing = glm::dot(place.normal, light->direction);
-  if (facing <= 0 && !place.bothSides) return 0;
+  const float facing = glm::dot(record.normal, light->direction);
+  if (facing <= 0 && !record.bothSides) return 0;
   const Transmittance free =
-      transmittance(scene, hit, place.normal, *light, Nesting(), panesLeft(-1, 0), counts);
+      transmittance(scene, hit, record.normal, *light, Nesting(), panesLeft(-1, 0), counts);
   return double(channelSum(light->radiance * free.value) * std::abs(facing) /
                 (light->pdf * choice.chosen.probability));
 }
@@ -59,11 +60,11 @@ class PlaceFinder {
 
   /** Creates records at every `every`-th photon and at all visible points, with the distance to the k-th
    * photon. Records at photons come first; their number is stored in `ofPhotons`. */
-  std::vector<Place> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
-    std::vector<Place> places((first.size() + every - 1) / every);
-    const size_t tried = places.size();
-    places.resize(tried + seen.size());
-    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
+  std::vector<Record> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
+    std::vector<Record> records((first.size() + every - 1) / every);
+    const size_t tried = records.size();
+    records.resize(tried + seen.size());
+    forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
       std::optional<VisiblePoint> found;
       if (i < tried) {
         Photon photon;
@@ -72,91 +73,91 @@ class PlaceFinder {
         GatherRegion region;
         region.center = photon.position;
         region.bothSides = true;
-        found = surfaceOf(scene, photon, kthDistance(region, scratch), partCounts);
+        found = surfaceOf(scene, photon, kthDistance(region, scratch), taskCounts);
         // Transmitting surfaces are seen from both sides, whichever side the light is on.
         if (found && found->transmits && i % 2 == 1) found->point.geometricNormal *= -1.0f;
       } else {
         found = seen[i - tried];
       }
       if (!found) return;
-      Place& place = places[i];
-      place.position = found->point.position;
-      place.normal = found->point.geometricNormal;
-      place.error = glm::length(found->point.error);
-      place.footprint = found->footprint;
-      place.bothSides = found->transmits;
+      Record& record = records[i];
+      record.position = found->point.position;
+      record.normal = found->point.geometricNormal;
+      record.error = glm::length(found->point.error);
+      record.footprint = found->footprint;
+      record.bothSides = found->transmits;
       settle(
-          place, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, partCounts);
+          record, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, taskCounts);
     });
-    const auto none = [](const Place& place) { return place.radius == 0; };
+    const auto none = [](const Record& record) { return record.radius == 0; };
     ofPhotons =
-        tried - static_cast<size_t>(std::count_if(places.begin(), places.begin() + ptrdiff_t(tried), none));
-    std::erase_if(places, none);
-    return places;
+        tried - static_cast<size_t>(std::count_if(records.begin(), records.begin() + ptrdiff_t(tried), none));
+    std::erase_if(records, none);
+    return records;
   }
 
   /** Computes the errors, and if `choosesAreas` replaces supports where a different area has less error. */
-  void judge(std::vector<Place>& places, size_t ofPhotons, double alpha, LightDetail detail,
+  void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
              bool choosesAreas) {
-    const Measured measured = measure(places, ofPhotons);
+    const Measured measured = measure(records, ofPhotons);
     // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011), the mean has P^(alpha-1) /
     // alpha of the first pass's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
     // have the same order.
     const double biasWeight = (2 - alpha) / square(alpha);
-    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
-      Place& place = places[i];
-      const float radius = place.radius;
-      const Evidence evidence = evidenceAt(places, measured, place, scratch);
-      if (evidence.places == 0) return;
+    forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
+      Record& record = records[i];
+      const float radius = record.radius;
+      const Evidence evidence = evidenceAt(records, measured, record, scratch);
+      if (evidence.records == 0) return;
       const SupportErrors& errors = evidence.absolute;
       const size_t best =
           choosesAreas ? evidence.relative.best(biasWeight, detail) : size_t{SupportErrors::OWN};
-      place.irradiance = static_cast<float>(errors.irradiance / evidence.places);
-      place.variance = static_cast<float>(errors.variance[best] / evidence.places);
+      record.irradiance = static_cast<float>(errors.irradiance / evidence.records);
+      record.variance = static_cast<float>(errors.variance[best] / evidence.records);
       double bias2 = 0;
       for (size_t j = 0; j < best; ++j) bias2 += errors.sureBias2(j);
-      place.bias2 = static_cast<float>(biasWeight * bias2 / evidence.places);
-      if (rays.lights) place.worth = worth(errors, best, double(place.bias2), evidence.places);
+      record.bias2 = static_cast<float>(biasWeight * bias2 / evidence.records);
+      if (rays.lights) record.worth = worth(errors, best, double(record.bias2), evidence.records);
       if (best == SupportErrors::OWN) return;
       settle(
-          place, i, [&](const GatherRegion&) { return radius * ofArea(best); }, partCounts);
+          record, i, [&](const GatherRegion&) { return radius * ofArea(best); }, taskCounts);
     });
   }
 
  private:
   /** Records at which the errors of supports are measured, by index of measurement. */
   struct Measured {
-    std::vector<size_t> places;
+    std::vector<size_t> records;
     std::vector<SupportErrors> errors;
     std::vector<float> radii; ///< before any choice of area
     PhotonMap positions;
     double dark2 = 0; ///< squared irradiance that counts as dark
   };
 
-  Measured measure(const std::vector<Place>& places, size_t ofPhotons) {
+  Measured measure(const std::vector<Record>& records, size_t ofPhotons) {
     constexpr size_t MAX_MEASURED = 4096; // records of each kind
     constexpr double DARK = 0.3;          // over the mean irradiance
     Measured measured;
     const auto measureSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
-      for (size_t i = from; i < end; i += stride) measured.places.push_back(i);
+      for (size_t i = from; i < end; i += stride) measured.records.push_back(i);
     };
     measureSome(0, ofPhotons);
-    measureSome(ofPhotons, places.size());
-    const size_t count = measured.places.size();
+    measureSome(ofPhotons, records.size());
+    const size_t count = measured.records.size();
     std::vector<Photon> at(count);
     measured.errors.resize(count);
     measured.radii.resize(count);
-    forAll(count, [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
-      const size_t i = measured.places[m];
+    forAll(count, [&](size_t m, PhotonScratch&, TransportCounts& taskCounts) {
+      const size_t i = measured.records[m];
       SupportErrors& errors = measured.errors[m];
-      at[m].position = places[i].position;
-      measured.radii[m] = places[i].radius;
-      GatherRegion region = regionAt(places[i]);
-      BoundaryCorrection boundary = surroundingsOf(places[i], i);
-      region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
-      errors = supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
-      if (rays.lights) addDirect(places[i], i, errors, partCounts);
+      at[m].position = records[i].position;
+      measured.radii[m] = records[i].radius;
+      GatherRegion region = regionAt(records[i]);
+      BoundaryCorrection boundary = surroundingsOf(records[i], i);
+      region.flatness = flatnessOf(records[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
+      errors = supportErrors(first, region, search.kernel, records[i].error, boundary, rays, taskCounts);
+      if (rays.lights) addDirect(records[i], i, errors, taskCounts);
     });
     double mean = 0;
     for (const SupportErrors& e : measured.errors) mean += e.irradiance / static_cast<double>(count);
@@ -167,57 +168,57 @@ class PlaceFinder {
 
   /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
    * unequal their powers, the larger the neighbourhood: it has the evidence of PHOTONS equal photons. */
-  static Evidence evidenceAt(const std::vector<Place>& places, const Measured& measured, const Place& place,
-                             PhotonScratch& scratch) {
+  static Evidence evidenceAt(const std::vector<Record>& records, const Measured& measured,
+                             const Record& record, PhotonScratch& scratch) {
     constexpr int NEAREST = 16;
     constexpr float PHOTONS = 8;
     constexpr float COHERENT = 0.7f;
     constexpr float MAX_RATIO = 4; // ratio of radii: small pools of light say nothing on wide supports
     const PhotonMap& positions = measured.positions;
     GatherRegion region;
-    region.center = place.position;
+    region.center = record.position;
     region.bothSides = true;
     positions.nearest(region, NEAREST, scratch);
     Evidence evidence;
     const auto add = [&](const PhotonBlock& block, bool onlySeen) {
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
-        const Place& other = places[measured.places[m]];
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
+        const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)));
+        const Record& other = records[measured.records[m]];
         const float radius = measured.radii[m];
-        if (!(std::max(place.radius, radius) < MAX_RATIO * std::min(place.radius, radius))) continue;
+        if (!(std::max(record.radius, radius) < MAX_RATIO * std::min(record.radius, radius))) continue;
         const bool seen =
-            glm::dot(place.normal, other.normal) > COHERENT && place.around.sees(other.position);
+            glm::dot(record.normal, other.normal) > COHERENT && record.around.sees(other.position);
         if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
       }
     };
     positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
-    if (evidence.places == 0)
+    if (evidence.records == 0)
       positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
-    if (evidence.places == 0) return evidence;
+    if (evidence.records == 0) return evidence;
     const Evidence nearest = std::exchange(evidence, {});
-    region.radius = place.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
+    region.radius = record.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
     positions.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
-    return evidence.places < nearest.places ? nearest : evidence;
+    return evidence.records < nearest.records ? nearest : evidence;
   }
 
   /** Calls f(i, scratch, counts) in parallel for 0 <= i < count. */
   template <class F> void forAll(size_t count, const F& f) {
     constexpr size_t AT_ONCE = 64;
-    const size_t parts = (count + AT_ONCE - 1) / AT_ONCE;
-    std::vector<TransportCounts> partCounts(parts);
-    parallelFor(parts, [&](size_t part) {
+    const size_t tasks = (count + AT_ONCE - 1) / AT_ONCE;
+    std::vector<TransportCounts> taskCounts(tasks);
+    parallelFor(tasks, [&](size_t task) {
       PhotonScratch scratch;
-      for (size_t i = part * AT_ONCE; i < std::min(count, (part + 1) * AT_ONCE); ++i)
-        f(i, scratch, partCounts[part]);
+      for (size_t i = task * AT_ONCE; i < std::min(count, (task + 1) * AT_ONCE); ++i)
+        f(i, scratch, taskCounts[task]);
     });
-    for (const TransportCounts& c : partCounts) counts.add(c);
+    for (const TransportCounts& c : taskCounts) counts.add(c);
   }
 
-  void addDirect(const Place& place, size_t key, SupportErrors& e, TransportCounts& partCounts) const {
+  void addDirect(const Record& record, size_t key, SupportErrors& e, TransportCounts& taskCounts) const {
     constexpr int SAMPLES = 4;
     Sampler sampler(1, 0, static_cast<uint32_t>(key));
     for (int i = 0; i < SAMPLES; ++i)
-      e.direct += directIrradiance(scene, *rays.lights, place, sampler, partCounts) / SAMPLES;
+      e.direct += directIrradiance(scene, *rays.lights, record, sampler, taskCounts) / SAMPLES;
   }
 
   /** Gain of a gather over rays, from sums over `evidence` records. */
@@ -237,21 +238,21 @@ class PlaceFinder {
     return n.count == search.nearest ? std::sqrt(n.radius2) : region.radius;
   }
 
-  GatherRegion regionAt(const Place& place) const {
+  GatherRegion regionAt(const Record& record) const {
     GatherRegion region;
-    region.center = place.position;
-    region.normal = place.normal;
+    region.center = record.position;
+    region.normal = record.normal;
     region.flatness = search.flatness;
-    region.radius = place.radius;
-    region.bothSides = place.bothSides;
+    region.radius = record.radius;
+    region.bothSides = record.bothSides;
     return region;
   }
-  BoundaryCorrection surroundingsOf(const Place& place, size_t key) const {
-    const Neighbourhood& around = place.around;
+  BoundaryCorrection surroundingsOf(const Record& record, size_t key) const {
+    const Neighbourhood& around = record.around;
     return {scene, Sampler(0, 0, static_cast<uint32_t>(key)), around.reach > 0 ? &around : nullptr};
   }
-  float flatnessOf(const Place& place, const BoundaryCorrection& boundary, float radius) const {
-    return radius <= boundary.flat() ? flatnessOfFlat(boundary, search.flatness, place.error, radius)
+  float flatnessOf(const Record& record, const BoundaryCorrection& boundary, float radius) const {
+    return radius <= boundary.flat() ? flatnessOfFlat(boundary, search.flatness, record.error, radius)
                                      : search.flatness;
   }
 
@@ -259,32 +260,32 @@ class PlaceFinder {
    * photons searched for coincide in one point, which has no density: the record gets no radius, and find()
    * drops it. */
   template <class Radius>
-  void settle(Place& place, size_t key, const Radius& radius, TransportCounts& partCounts) const {
-    GatherRegion region = regionAt(place);
-    BoundaryCorrection boundary = surroundingsOf(place, key);
+  void settle(Record& record, size_t key, const Radius& radius, TransportCounts& taskCounts) const {
+    GatherRegion region = regionAt(record);
+    BoundaryCorrection boundary = surroundingsOf(record, key);
     // The surface geometry changes the radius, and the radius determines how much geometry is needed.
     constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // gathers near the record may reach farther
     constexpr int ROUNDS = 4;
-    const auto fit = [&] { coveredFraction(boundary, place.error, search.kernel, region, partCounts); };
+    const auto fit = [&] { coveredFraction(boundary, record.error, search.kernel, region, taskCounts); };
     region.radius = radius(region);
     if (region.radius == 0) return;
     for (int round = 0; round < ROUNDS; ++round) {
-      if (ENOUGH * region.radius > place.around.reach) {
+      if (ENOUGH * region.radius > record.around.reach) {
         region.radius *= BEYOND;
-        place.around = probeNeighbourhood(scene, place.error, region, boundary.sampler, partCounts);
-        boundary.known = &place.around;
+        record.around = probeNeighbourhood(scene, record.error, region, boundary.sampler, taskCounts);
+        boundary.known = &record.around;
       } else if (round > 0) {
         break;
       }
       region.radius = radius(region);
-      region.flatness = flatnessOf(place, boundary, region.radius);
+      region.flatness = flatnessOf(record, boundary, region.radius);
       fit();
       if (region.clipCount > 0 || region.flatness < search.flatness) {
         region.radius = radius(region);
         fit();
       }
     }
-    place.radius = region.radius;
+    record.radius = region.radius;
   }
 
   const Scene& scene;
@@ -301,26 +302,26 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
                         const RayAlternative& rays, TransportCounts& counts, bool choosesAreas) {
   limit = search.radius;
   lift = std::min(search.radius, 2 * scene.bounds().radius);
-  places.clear();
+  records.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
   constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   PlaceFinder finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;
   if (!first.empty())
-    places = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
-                         ofPhotons);
-  std::vector<Photon> lifted(places.size());
-  for (size_t i = 0; i < places.size(); ++i)
-    lifted[i].position = regionInIndex(places[i].position, places[i].normal).center;
-  if (alpha > 0 && search.nearest > 0 && !places.empty()) {
-    finder.judge(places, ofPhotons, alpha, detail, choosesAreas);
+    records = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
+                          ofPhotons);
+  std::vector<Photon> lifted(records.size());
+  for (size_t i = 0; i < records.size(); ++i)
+    lifted[i].position = regionInIndex(records[i].position, records[i].normal).center;
+  if (alpha > 0 && search.nearest > 0 && !records.empty()) {
+    finder.judge(records, ofPhotons, alpha, detail, choosesAreas);
     if (choosesAreas) limit *= ofArea(SupportErrors::AREAS - 2);
   }
   index.build(lifted);
-  std::vector<Place> inOrder(places.size());
-  for (size_t slot = 0; slot < places.size(); ++slot) inOrder[slot] = places[index.emissionIndex(slot)];
-  places = std::move(inOrder);
+  std::vector<Record> inOrder(records.size());
+  for (size_t slot = 0; slot < records.size(); ++slot) inOrder[slot] = records[index.emissionIndex(slot)];
+  records = std::move(inOrder);
   findNeighbours();
 }
 

@@ -47,8 +47,8 @@ class RadiusCache {
    * distance to the record. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
-  size_t size() const { return places.size(); }
-  struct Place {
+  size_t size() const { return records.size(); }
+  struct Record {
     Vec3f position{0}, normal{0};
     float error = 0;        ///< bound of the position error
     bool bothSides = false; ///< see GatherRegion
@@ -62,11 +62,11 @@ class RadiusCache {
     GatherWorth worth;
     Neighbourhood around;
   };
-  const Place& place(size_t i) const { return places[i]; }
+  const Record& record(size_t i) const { return records[i]; }
 
  private:
   static constexpr size_t NEIGHBOURS = 8;
-  std::vector<Place> places;                                ///< in the order of the slots of `index`
+  std::vector<Record> records;                              ///< in the order of the slots of `index`
   std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record: its nearest in `index`
   /** Positions of the records, displaced along their normals by the largest radius of the search, so that the
    * two sides of a thin wall are two such radii apart. The nearest may still be on a different surface. */

@@ -8,28 +8,28 @@
 namespace recurse {
 
 void RadiusCache::findNeighbours() {
-  neighbours.resize(places.size());
-  parallelFor(places.size(), [&](size_t i) {
+  neighbours.resize(records.size());
+  parallelFor(records.size(), [&](size_t i) {
     thread_local PhotonScratch scratch;
     auto& others = neighbours[i];
     others.fill(static_cast<uint32_t>(i));
-    index.nearest(regionInIndex(places[i].position, places[i].normal), NEIGHBOURS + 1, scratch);
+    index.nearest(regionInIndex(records[i].position, records[i].normal), NEIGHBOURS + 1, scratch);
     size_t count = 0;
     index.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const size_t slot = block.first + static_cast<size_t>(std::countr_zero(rest));
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
+        const size_t slot = block.first + static_cast<size_t>(std::countr_zero(slots));
         if (slot != i && count < NEIGHBOURS) others[count++] = static_cast<uint32_t>(slot);
       }
     });
     if (count == 0) return;
     std::array<float, NEIGHBOURS> distances;
     for (size_t j = 0; j < count; ++j)
-      distances[j] = glm::distance(places[i].position, places[others[j]].position);
+      distances[j] = glm::distance(records[i].position, records[others[j]].position);
     constexpr size_t THIRD = 2;
     const size_t chosen = std::min(THIRD, count - 1);
     std::nth_element(distances.begin(), distances.begin() + ptrdiff_t(chosen),
                      distances.begin() + ptrdiff_t(count));
-    places[i].spacing = distances[chosen];
+    records[i].spacing = distances[chosen];
   });
 }
 
@@ -38,22 +38,22 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   if (index.empty()) return {limit, nullptr, INFINITE, 0};
   /** Whether a record is on the surface of the point: on a different side, on the next layer or behind a wall
    * it has little relevance. */
-  const auto isSameSurface = [&](const Place& place) {
+  const auto isSameSurface = [&](const Record& record) {
     constexpr float COHERENT = 0.9f;
-    const float above = glm::dot(position - place.position, place.normal);
-    return glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
-           above < std::min(place.around.clearance, place.around.heightKnown()) &&
-           -above < std::min(place.around.depth, place.around.heightKnown());
+    const float above = glm::dot(position - record.position, record.normal);
+    return glm::dot(record.normal, normal) > COHERENT && record.around.sees(position) &&
+           above < std::min(record.around.clearance, record.around.heightKnown()) &&
+           -above < std::min(record.around.depth, record.around.heightKnown());
   };
   const auto resultOf = [&](size_t slot, bool same) {
-    const Place& place = places[slot];
-    return CachedRadius{place.radius, same ? &place.around : nullptr, glm::distance(position, place.position),
-                        slot};
+    const Record& record = records[slot];
+    return CachedRadius{record.radius, same ? &record.around : nullptr,
+                        glm::distance(position, record.position), slot};
   };
   const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center, scratch);
-  CachedRadius best = resultOf(nearest, isSameSurface(places[nearest]));
+  CachedRadius best = resultOf(nearest, isSameSurface(records[nearest]));
   const auto consider = [&](size_t slot) {
-    const bool same = isSameSurface(places[slot]);
+    const bool same = isSameSurface(records[slot]);
     if (best.known && !same) return;
     const CachedRadius other = resultOf(slot, same);
     if ((same && !best.known) || other.away < best.away) best = other;
@@ -64,8 +64,8 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     constexpr int MAX_COUNT = 32;
     index.nearest(regionInIndex(position, normal), MAX_COUNT, scratch);
     index.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
-        consider(block.first + static_cast<size_t>(std::countr_zero(rest)));
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
+        consider(block.first + static_cast<size_t>(std::countr_zero(slots)));
     });
   }
   if (best.known) {
@@ -76,9 +76,9 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
       hash = hashCombine(hash, std::bit_cast<uint32_t>(position[i]));
       offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
     }
-    offset = (offset - normal * glm::dot(offset, normal)) * places[best.index].spacing;
+    offset = (offset - normal * glm::dot(offset, normal)) * records[best.index].spacing;
     const size_t slot = nearestOf(best.index, position + offset);
-    if (slot != best.index && isSameSurface(places[slot])) {
+    if (slot != best.index && isSameSurface(records[slot])) {
       // The nearest record has the best knowledge of a surface that is whole within this distance.
       const CachedRadius other = resultOf(slot, true);
       if (best.known->isWholeWithin(other.radius + best.away))
@@ -94,9 +94,9 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
 
 size_t RadiusCache::nearestOf(size_t record, const Vec3f& position) const {
   size_t nearest = record;
-  float least = lengthSquared(position - places[record].position);
+  float least = lengthSquared(position - records[record].position);
   for (const uint32_t slot : neighbours[record])
-    if (const float distance2 = lengthSquared(position - places[slot].position); distance2 < least) {
+    if (const float distance2 = lengthSquared(position - records[slot].position); distance2 < least) {
       least = distance2;
       nearest = slot;
     }

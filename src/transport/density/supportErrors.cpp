@@ -15,8 +15,8 @@ float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
   region.radius = radius;
   float sum = 0;
   photons.visitWithin(region, [&](const PhotonBlock& block) {
-    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
-      sum += channelSum(block.power(std::countr_zero(rest)));
+    for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
+      sum += channelSum(block.power(std::countr_zero(slots)));
   });
   return sum * INV_PI / square(radius);
 }
@@ -27,23 +27,23 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
                             BoundaryCorrection& boundary, const RayAlternative& byRays,
                             TransportCounts& counts) {
   constexpr size_t AREAS = SupportErrors::AREAS;
-  const float own = region.radius;
+  const float recordRadius = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
   for (size_t j = 0; j < AREAS; ++j) { // the largest is last: its clips remain
-    region.radius = own * ofArea(j);
-    const float part = coveredFraction(boundary, error, kernel, region, counts);
+    region.radius = recordRadius * ofArea(j);
+    const float covered = coveredFraction(boundary, error, kernel, region, counts);
     const float radius2 = square(region.radius);
     inverse[j] = 1 / radius2;
-    norm[j] = INV_PI / (radius2 * part);
+    norm[j] = INV_PI / (radius2 * covered);
   }
   Float8 sum(0), variance(0), noise(0), rays(0);
-  const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
+  const float rarest = byRays.maxBrightness * meanPower(photons, region, recordRadius);
   withKernel(kernel, [&](auto k) {
     photons.visitWithin(region, [&](const PhotonBlock& block) {
       alignas(32) float d2[8];
       block.distance2.store(d2);
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const int lane = std::countr_zero(rest);
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
+        const int lane = std::countr_zero(slots);
         const float total = channelSum(block.power(lane));
         const Float8 q = Float8(d2[lane]) * Float8::load(inverse);
         const Float8 inside = less(q, Float8(1));

@@ -48,9 +48,9 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   float sum = 0;
   float pick = sampler.next1D();
   const auto consider = [&](float t, const Vec2f& u) {
-    const SurfacePoint place = pointInMedium(ray, t);
+    const SurfacePoint scatterer = pointInMedium(ray, t);
     const std::optional<LiSample> light =
-        lightSampler.sampleLi(*chosen.light, place.time, place.position, choice.pick, u);
+        lightSampler.sampleLi(*chosen.light, scatterer.time, scatterer.position, choice.pick, u);
     if (!light || !(light->pdf > 0)) return;
     // With the scattering coefficient, channels that scatter more decide the distances.
     const float worth = luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
@@ -72,12 +72,12 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   const int pairs = candidatePairs(*chosen.light);
   const float u = sampler.next1D();
   for (int i = 0; i < pairs; ++i) {
-    const float part = (static_cast<float>(i) + u) / static_cast<float>(pairs);
-    const float place = area ? part : (static_cast<float>(which) + part) / static_cast<float>(count);
+    const float u1 = (static_cast<float>(i) + u) / static_cast<float>(pairs);
+    const float stratum = area ? u1 : (static_cast<float>(which) + u1) / static_cast<float>(count);
     const Vec2f onLamp = sampler.next2D();
     if (area) near = nearnessTo(onLamp);
-    consider(open.sample(sampler.next1D(), place), onLamp);
-    consider(near ? std::min(near->sample(place), end) : open.sample(sampler.next1D(), place), onLamp);
+    consider(open.sample(sampler.next1D(), stratum), onLamp);
+    consider(near ? std::min(near->sample(stratum), end) : open.sample(sampler.next1D(), stratum), onLamp);
   }
   if (kept) kept->reciprocalPdf = sum / (static_cast<float>(2 * pairs * count) * keptWorth);
   return kept;

@@ -79,9 +79,9 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
   std::vector<Exit> moved(exits.size());
   std::vector<char> known(exits.size());
   parallelFor(exits.size(), [&](size_t i) {
-    const Exit& own = exits[i];
-    moved[i] = own;
-    known[i] = own.direction == Vec3f(0);
+    const Exit& exit = exits[i];
+    moved[i] = exit;
+    known[i] = exit.direction == Vec3f(0);
     if (known[i]) return;
     Sampler sampler(seed, 0x43524f5353ull, static_cast<uint32_t>(i));
     std::vector<Approach> approaches;
@@ -89,14 +89,14 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
       const auto j = std::min(exits.size() - 1,
                               static_cast<size_t>(sampler.next1D() * static_cast<float>(exits.size())));
       const Exit& other = exits[j];
-      const float cosine = glm::dot(own.direction, other.direction);
+      const float cosine = glm::dot(exit.direction, other.direction);
       if (other.direction == Vec3f(0) || !(1 - cosine * cosine > PARALLEL)) continue;
-      const Vec3f between = other.position - own.position;
-      const float a = glm::dot(own.direction, between), b = glm::dot(other.direction, between);
+      const Vec3f between = other.position - exit.position;
+      const float a = glm::dot(exit.direction, between), b = glm::dot(other.direction, between);
       const float along = (a - cosine * b) / (1 - cosine * cosine);
       const float otherAlong = (cosine * a - b) / (1 - cosine * cosine);
       if (!(along > 0 && otherAlong > 0)) continue;
-      const Vec3f gap = between + other.direction * otherAlong - own.direction * along;
+      const Vec3f gap = between + other.direction * otherAlong - exit.direction * along;
       approaches.push_back({lengthSquared(gap), along});
     }
     if (approaches.size() < 2 * CLOSEST) return;
@@ -105,7 +105,7 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
     std::nth_element(approaches.begin(), approaches.begin() + CLOSEST / 2, approaches.begin() + CLOSEST,
                      [](const Approach& a, const Approach& b) { return a.along < b.along; });
     moved[i].along = approaches[CLOSEST / 2].along;
-    moved[i].position += own.direction * moved[i].along;
+    moved[i].position += exit.direction * moved[i].along;
     known[i] = true;
   });
   std::vector<Exit> found;
@@ -159,9 +159,9 @@ void LightPortals::enclose(const std::vector<Exit>& exits) {
   constexpr int LEVELS = 6;       // at most 2^LEVELS leaves
   constexpr float MARGIN = 1e-3f; // relative to the scene's radius; a pane is flat
   if (exits.size() < MIN_EXITS) return;
-  std::vector<WeightedPlace> places;
-  for (const Exit& exit : exits) places.push_back({exit.position, exit.weight});
-  boxes = NestedBoxes(std::move(places), LEVELS, MARGIN * scene.radius);
+  std::vector<WeightedPosition> positions;
+  for (const Exit& exit : exits) positions.push_back({exit.position, exit.weight});
+  boxes = NestedBoxes(std::move(positions), LEVELS, MARGIN * scene.radius);
   const std::span<const NestedBoxes::Box> all(boxes.begin(), boxes.end());
   for (size_t first = 0; first < all.size(); first += 8)
     blocks.emplace_back(all.subspan(first, std::min<size_t>(8, all.size() - first)));
@@ -186,9 +186,9 @@ void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const 
     chosen = &boxes.choose(pick);
     // Samples a side that faces the light, in proportion to its projected area.
     const Vec3f sides = projectedSides(chosen->bounds, w);
-    float rest = pick * (sides.x + sides.y + sides.z);
+    float remaining = pick * (sides.x + sides.y + sides.z);
     int axis = 0;
-    while (axis < 2 && (rest >= sides[axis] || sides[axis] == 0)) rest -= sides[axis++];
+    while (axis < 2 && (remaining >= sides[axis] || sides[axis] == 0)) remaining -= sides[axis++];
     const Vec3f d = chosen->bounds.diagonal();
     Vec3f point = chosen->bounds.lower;
     if (w[axis] < 0) point[axis] = chosen->bounds.upper[axis];

@@ -82,9 +82,9 @@ size_t LightSampler::sideOf(const Vec3f& normal) {
 }
 
 LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) const {
-  LightSampleContext place{position};
+  LightSampleContext context{position};
   const std::vector<Cell>& side = cells[sideOf(normal)];
-  if (side.empty()) return place;
+  if (side.empty()) return context;
   // Pending descents and their weights; near a border both children are followed.
   struct Way {
     size_t cell;
@@ -92,13 +92,13 @@ LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) 
   };
   std::array<Way, LightSampleContext::MAX_CELLS> ways{{{0, 1}}};
   size_t left = 1;
-  place.count = 0;
+  context.count = 0;
   while (left > 0) {
     auto [i, weight] = ways[--left];
     while (side[i].axis < 3) {
       const Cell& c = side[i];
       const float beyond = position[int(c.axis)] - c.at;
-      const bool isNear = std::abs(beyond) < c.band && place.count + left + 1 < ways.size();
+      const bool isNear = std::abs(beyond) < c.band && context.count + left + 1 < ways.size();
       if (isNear) {
         const float other = weight * (0.5f - 0.5f * std::abs(beyond) / c.band);
         ways[left++] = {beyond < 0 ? c.other : i + 1, other};
@@ -106,48 +106,48 @@ LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) 
       }
       i = beyond < 0 ? i + 1 : c.other;
     }
-    place.shares[place.count++] = {side[i].other, weight};
+    context.shares[context.count++] = {side[i].other, weight};
   }
-  return place;
+  return context;
 }
 
-ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSampleContext& place,
+ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSampleContext& context,
                                         float& u) const {
   size_t c = 0;
   for (size_t end = clusters.size() - 1; c < end;) {
     const size_t middle = c + (end - c) / 2;
-    if (double(u) < upTo(place, middle))
+    if (double(u) < upTo(context, middle))
       end = middle;
     else
       c = middle + 1;
   }
-  const double below = c > 0 ? upTo(place, c - 1) : 0, part = upTo(place, c) - below;
+  const double below = c > 0 ? upTo(context, c - 1) : 0, part = upTo(context, c) - below;
   const auto [light, probability] =
-      chooseBelow(clusters[c], place.position, (double(u) - below) / part, part, u);
+      chooseBelow(clusters[c], context.position, (double(u) - below) / part, part, u);
   return {&lights[order[light]], static_cast<float>(probability), order[light]};
 }
 
-LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec3f& position, double rest,
+LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec3f& position, double uCluster,
                                                double probability, float& u) const {
   Descent way(*this, position, 0, cluster);
   while (!way.atLight()) {
     const double left = way.left();
-    const bool toTheLeft = rest < left;
+    const bool toTheLeft = uCluster < left;
     const double part = toTheLeft ? left : 1 - left;
-    rest = (toTheLeft ? rest : rest - left) / part;
+    uCluster = (toTheLeft ? uCluster : uCluster - left) / part;
     probability *= part;
     way.go(toTheLeft);
   }
-  u = std::min(static_cast<float>(rest), ONE_MINUS_EPSILON);
+  u = std::min(static_cast<float>(uCluster), ONE_MINUS_EPSILON);
   return {way.where().first, probability};
 }
 
-float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t light) const {
+float LightSampler::probabilityLearned(const LightSampleContext& context, uint32_t light) const {
   const uint32_t wanted = rank[light];
   if (order[wanted] != light) return 0; // the light has no power
   const uint32_t c = clusterOf[wanted];
-  double probability = upTo(place, c) - (c > 0 ? upTo(place, c - 1) : 0);
-  Descent way(*this, place.position, 0, clusters[c]);
+  double probability = upTo(context, c) - (c > 0 ? upTo(context, c - 1) : 0);
+  Descent way(*this, context.position, 0, clusters[c]);
   while (!way.atLight()) {
     const double left = way.left();
     const bool toTheLeft = wanted < way.middle();
@@ -197,11 +197,13 @@ void LightSampler::buildNode(std::span<const Bounds3f> boxes, const LightTable& 
   nodes.push_back({box.center(), lengthSquared(box.diagonal() / 2.0f), static_cast<float>(power)});
   if (end - first == 1) return;
   const int axis = widestAxis(box.diagonal());
-  const auto place = [&](uint32_t light) { return boxes[light].lower[axis] + boxes[light].upper[axis]; };
+  const auto doubledCenter = [&](uint32_t light) {
+    return boxes[light].lower[axis] + boxes[light].upper[axis];
+  };
   const size_t middle = first + (end - first) / 2;
   const auto at = [&](size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(first), at(middle), at(end), [&](uint32_t a, uint32_t b) {
-    return place(a) != place(b) ? place(a) < place(b) : a < b;
+    return doubledCenter(a) != doubledCenter(b) ? doubledCenter(a) < doubledCenter(b) : a < b;
   });
   buildNode(boxes, lights, first, middle, depth + 1);
   buildNode(boxes, lights, middle, end, depth + 1);
@@ -325,11 +327,11 @@ void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const
   Sampler sampler(0, FIRST_LIGHT_STREAM, index);
   float pick = sampler.next1D();
   const size_t light = lights.chooseIndex(pick);
-  const float part = sampler.next1D();
-  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  const float pickOnLight = sampler.next1D();
+  const Vec2f position = sampler.next2D(), direction = sampler.next2D();
   if (!(lights.probability(light) > 0)) return;
   const float time = scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0;
-  const std::optional<LeSample> emission = lights[light].sampleLe({part, place, direction, time});
+  const std::optional<LeSample> emission = lights[light].sampleLe({pickOnLight, position, direction, time});
   if (!emission || isBlack(emission->flux)) return;
   BsdfArena arena;
   Ray ray{emission->origin, emission->direction, INFINITE, time};
@@ -390,9 +392,9 @@ void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f&
     const bool byPower = i % 2 == 0;
     const double which = byPower ? 0 : double(pick) * double(clusters.size());
     const Cluster& from = byPower ? all : clusters[static_cast<size_t>(which)];
-    const double rest = byPower ? double(pick) : which - std::floor(which);
+    const double uCluster = byPower ? double(pick) : which - std::floor(which);
     const auto [light, probability] =
-        chooseBelow(from, hit.point.position, rest, byPower ? 1 : 1 / double(clusters.size()), pick);
+        chooseBelow(from, hit.point.position, uCluster, byPower ? 1 : 1 / double(clusters.size()), pick);
     const auto illumination = sampleLi(lights[order[light]], hit.point.time, hit.point.position, pick, u);
     double e = illumination ? irradiance(*illumination, normal, both) / probability : 0;
     if (e > 0)

@@ -43,11 +43,11 @@ class LightSampler {
   LightSampleContext at(const Vec3f& position, const Vec3f& normal) const;
   /** Chooses a light from `lights`, the table of the learned scene, which must not be empty. u in [0,1) is
    * consumed and replaced by a new uniform number in [0,1). */
-  ChosenLight choose(const LightTable& lights, const LightSampleContext& place, float& u) const {
-    return active() ? chooseLearned(lights, place, u) : lights.choose(u);
+  ChosenLight choose(const LightTable& lights, const LightSampleContext& context, float& u) const {
+    return active() ? chooseLearned(lights, context, u) : lights.choose(u);
   }
-  float probability(const LightTable& lights, const LightSampleContext& place, uint32_t light) const {
-    return active() ? probabilityLearned(place, light) : lights.probability(light);
+  float probability(const LightTable& lights, const LightSampleContext& context, uint32_t light) const {
+    return active() ? probabilityLearned(context, light) : lights.probability(light);
   }
   /** Samples the chosen light towards a point, by Light::sampleLiAt() or through portals. */
   std::optional<LiSample> sampleLi(const Light& light, float time, const Vec3f& point, float pick,
@@ -95,21 +95,21 @@ class LightSampler {
   class Descent;
   static size_t sideOf(const Vec3f& normal);
 
-  ChosenLight chooseLearned(const LightTable& lights, const LightSampleContext& place, float& u) const;
+  ChosenLight chooseLearned(const LightTable& lights, const LightSampleContext& context, float& u) const;
   struct Chosen {
     uint32_t light; ///< index in `order`
     double probability;
   };
-  /** Chooses a light of the cluster by power over distance², by the number `rest` in [0,1). Multiplies
+  /** Chooses a light of the cluster by power over distance², by the number `uCluster` in [0,1). Multiplies
    * `probability` by the light's conditional probability. */
-  Chosen chooseBelow(const Cluster& cluster, const Vec3f& position, double rest, double probability,
+  Chosen chooseBelow(const Cluster& cluster, const Vec3f& position, double uCluster, double probability,
                      float& u) const;
-  float probabilityLearned(const LightSampleContext& place, uint32_t light) const;
+  float probabilityLearned(const LightSampleContext& context, uint32_t light) const;
   /** Cumulative probability, at a point, of the clusters up to and including this one. */
-  double upTo(const LightSampleContext& place, size_t cluster) const {
+  double upTo(const LightSampleContext& context, size_t cluster) const {
     double sum = 0;
-    for (uint32_t i = 0; i < place.count; ++i) {
-      const LightSampleContext::Share& s = place.shares[i];
+    for (uint32_t i = 0; i < context.count; ++i) {
+      const LightSampleContext::Share& s = context.shares[i];
       sum += double(s.weight) * double(tables[s.cell * clusters.size() + cluster]);
     }
     return sum;

@@ -31,7 +31,7 @@ void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, 
 }
 
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
-void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& place,
+void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& context,
                 const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const std::optional<Scatter> s =
       vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler);
@@ -41,7 +41,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   path.ray = spawn(vertex.point(), s->direction);
   path.nesting = nesting;
   path.nesting.scatters(vertex.hit, vertex.wi, s->direction);
-  const BsdfRay ray{place, s->pdf, true};
+  const BsdfRay ray{context, s->pdf, true};
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
@@ -55,11 +55,11 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
   if (!vertex.isConnectable() || scene.lights().size() == 0 || !classes.isLit(vertex.afterD, false)) return;
-  const LightSampleContext place = lightSampleContext(lights, vertex.point(), vertex.wi);
-  addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, nesting, vertex.wi, vertex.throughput,
-                  vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, NO_PANES, sampler, out);
+  const LightSampleContext context = lightSampleContext(lights, vertex.point(), vertex.wi);
+  addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, nesting, vertex.wi,
+                  vertex.throughput, vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, NO_PANES, sampler, out);
   if (scene.contents().areaLights + scene.contents().environmentLights > 0)
-    addBsdfRay(scene, lights, place, vertex, nesting, sampler, out);
+    addBsdfRay(scene, lights, context, vertex, nesting, sampler, out);
 }
 
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,

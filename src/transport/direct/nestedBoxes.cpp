@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-NestedBoxes::NestedBoxes(std::vector<WeightedPlace> places, int levels, float margin) {
-  split(places.begin(), places.end(), levels, margin);
+NestedBoxes::NestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin) {
+  split(positions.begin(), positions.end(), levels, margin);
   float all = 0;
   for (const Box& box : boxes) all += box.chance;
   float sum = 0;
@@ -18,18 +18,18 @@ NestedBoxes::NestedBoxes(std::vector<WeightedPlace> places, int levels, float ma
   }
 }
 
-void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<WeightedPlace>::iterator last,
-                        int levels, float margin) {
-  constexpr std::ptrdiff_t MIN_PLACES = 32;
+void NestedBoxes::split(std::vector<WeightedPosition>::iterator first,
+                        std::vector<WeightedPosition>::iterator last, int levels, float margin) {
+  constexpr std::ptrdiff_t MIN_POSITIONS = 32;
   // Enclosing boxes sample the space between leaves hundreds of times as often as without them.
   constexpr float INNER = 0.1f, GROWTH = 0.05f;
   Bounds3f bounds;
   float weight = 0;
-  for (auto place = first; place != last; ++place) {
-    bounds.add(place->position);
-    weight += place->weight;
+  for (auto i = first; i != last; ++i) {
+    bounds.add(i->position);
+    weight += i->weight;
   }
-  if (levels == 0 || last - first < 2 * MIN_PLACES) {
+  if (levels == 0 || last - first < 2 * MIN_POSITIONS) {
     bounds.lower -= margin;
     bounds.upper += margin;
     boxes.push_back({bounds, weight, true, 0});
@@ -41,7 +41,7 @@ void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<
   }
   const int axis = widestAxis(bounds.diagonal());
   const auto middle = first + (last - first) / 2;
-  std::nth_element(first, middle, last, [&](const WeightedPlace& a, const WeightedPlace& b) {
+  std::nth_element(first, middle, last, [&](const WeightedPosition& a, const WeightedPosition& b) {
     return a.position[axis] < b.position[axis];
   });
   split(first, middle, levels - 1, margin);

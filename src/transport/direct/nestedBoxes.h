@@ -9,7 +9,7 @@
 
 namespace recurse {
 
-struct WeightedPlace {
+struct WeightedPosition {
   Vec3f position;
   float weight;
 };
@@ -27,7 +27,7 @@ class NestedBoxes {
   NestedBoxes() = default;
   /** Builds boxes whose probabilities follow the weights. `levels`: there are at most 2^levels leaves;
    * `margin`: margin around each box [scene units]. */
-  NestedBoxes(std::vector<WeightedPlace> places, int levels, float margin);
+  NestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin);
 
   bool empty() const { return boxes.empty(); }
   size_t size() const { return boxes.size(); }
@@ -37,7 +37,7 @@ class NestedBoxes {
   const Box& choose(float& pick) const;
 
  private:
-  void split(std::vector<WeightedPlace>::iterator first, std::vector<WeightedPlace>::iterator last,
+  void split(std::vector<WeightedPosition>::iterator first, std::vector<WeightedPosition>::iterator last,
              int levels, float margin);
 
   std::vector<Box> boxes;

@@ -71,15 +71,15 @@ void PortalSampler::divide(std::span<LightPortals::Exit> exits, const Opening& w
   constexpr size_t MIN_PATHS = 32;
   constexpr int CUTS = 8;
   constexpr float SMALLER = 0.7f; // maximum area of two openings, relative to one
-  const auto splitAt = [&](int axis, int part) {
-    const size_t left = exits.size() * size_t(part) / CUTS;
+  const auto splitAt = [&](int axis, int cut) {
+    const size_t left = exits.size() * size_t(cut) / CUTS;
     std::nth_element(exits.begin(), exits.begin() + std::ptrdiff_t(left), exits.end(),
                      [&](const auto& a, const auto& b) { return a.position[axis] < b.position[axis]; });
     return left;
   };
   if (levels > 0 && exits.size() >= 2 * MIN_PATHS) {
     float least = INFINITE;
-    int axis = 0, part = CUTS / 2;
+    int axis = 0, cut = CUTS / 2;
     for (int a = 0; a < 3; ++a)
       for (int p = 1; p < CUTS; ++p) {
         const size_t left = splitAt(a, p);
@@ -88,10 +88,10 @@ void PortalSampler::divide(std::span<LightPortals::Exit> exits, const Opening& w
         if (!(area < least)) continue;
         least = area;
         axis = a;
-        part = p;
+        cut = p;
       }
     if (least < SMALLER * whole.area || whole.area == INFINITE) {
-      const size_t left = splitAt(axis, part);
+      const size_t left = splitAt(axis, cut);
       divide(exits.first(left), fit(exits.first(left)), levels - 1);
       divide(exits.subspan(left), fit(exits.subspan(left)), levels - 1);
       return;
@@ -118,13 +118,13 @@ float PortalSampler::pdfThrough(const SolidAngles& upToHere, const Vec3f& point,
   float sum = 0, before = 0;
   for (size_t i = 0; i < openings.size(); ++i) {
     const Opening& o = openings[i];
-    const float part = upToHere[i] - std::exchange(before, upToHere[i]);
+    const float solidAngle = upToHere[i] - std::exchange(before, upToHere[i]);
     const float t = (o.at - point[o.axis]) / direction[o.axis];
     if (!(t > 0 && t < INFINITE)) continue;
     const int a = (o.axis + 1) % 3, b = (o.axis + 2) % 3;
     const Vec2f at(point[a] + t * direction[a], point[b] + t * direction[b]);
     if (at.x >= o.lower.x && at.x <= o.upper.x && at.y >= o.lower.y && at.y <= o.upper.y)
-      sum += part * square(t) / (o.area * std::abs(direction[o.axis]));
+      sum += solidAngle * square(t) / (o.area * std::abs(direction[o.axis]));
   }
   return sum / before;
 }
@@ -164,10 +164,10 @@ std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, c
 }
 
 float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const {
-  const float own = light.pdfLi(from, direction);
+  const float byLight = light.pdfLi(from, direction);
   SolidAngles upToHere;
-  if (!active() || !(solidAngles(from, upToHere) > 0)) return own;
-  return (1 - throughPortals) * own + throughPortals * pdfThrough(upToHere, from, direction);
+  if (!active() || !(solidAngles(from, upToHere) > 0)) return byLight;
+  return (1 - throughPortals) * byLight + throughPortals * pdfThrough(upToHere, from, direction);
 }
 
 PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, TransportCounts& counts) {
@@ -196,10 +196,10 @@ PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, Tr
         if (!(estimate > 0)) continue;
         radiance += estimate;
         const float byBsdf = scattering.pdf(vertex.wi, s->direction);
-        const float own = light.pdfLi(vertex.point().position, s->direction);
-        const float portals = (s->pdf - (1 - throughPortals) * own) / throughPortals;
+        const float byLight = light.pdfLi(vertex.point().position, s->direction);
+        const float portals = (s->pdf - (1 - throughPortals) * byLight) / throughPortals;
         for (size_t k = 0; k < PARTS.size(); ++k)
-          ofPath[k] += arriving * estimate / double((1 - PARTS[k]) * own + PARTS[k] * portals + byBsdf);
+          ofPath[k] += arriving * estimate / double((1 - PARTS[k]) * byLight + PARTS[k] * portals + byBsdf);
       }
       if (!walker.scatter(path, vertex, sampler)) break;
     }

@@ -20,7 +20,7 @@ class PortalSampler {
    * few dominates the moment. Returns the work it took. */
   TransportCounts learn(const Scene& scene);
   /** Mixture weight of the portals, in [0, 1); 0: no portals. */
-  float part() const { return throughPortals; }
+  float probability() const { return throughPortals; }
   bool active() const { return throughPortals > 0; }
 
   /** Mixture of portals and the light's own sampling, as in EnvironmentLight; independent of time. */

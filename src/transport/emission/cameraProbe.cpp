@@ -91,9 +91,9 @@ void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegio
   const float least = MIN_WIDTH * scene.bounds().radius;
   forCameraRays(scene, PROBES, 1, [&](const CameraRay& start, const Sampler& sampler) {
     Rgb left(1);
-    Sampler own = sampler.fork(1);
+    Sampler flightSampler = sampler.fork(1);
     const auto along = [&](const CameraRay& ray, float end, const Medium& medium) {
-      const RayTransmittance transmittance(medium, ray, end, own);
+      const RayTransmittance transmittance(medium, ray, end, flightSampler);
       const float last = std::min(end, 4 * scene.bounds().radius);
       for (float t = 0; t < last;) {
         const float size = std::max((ray.width + ray.spread * t) * spacing, least), middle = t + size;
@@ -115,7 +115,8 @@ std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t s
   std::vector<VisiblePoint> seen;
   forCameraRays(scene, across, seed, [&](const CameraRay& ray, const Sampler& sampler) {
     const auto pass = [](const CameraRay&, float, const Medium&) {};
-    if (const auto place = firstDiffuse(scene, ray, sampler, weighting, counts, pass)) seen.push_back(*place);
+    if (const auto visible = firstDiffuse(scene, ray, sampler, weighting, counts, pass))
+      seen.push_back(*visible);
   });
   return seen;
 }
@@ -124,8 +125,9 @@ VisibleRegion probeRegion(const Scene& scene, const GatherWeighting& weighting, 
   constexpr int PROBES = 96;
   const float spacing = std::sqrt(float(scene.film().whole().area())) / PROBES;
   VisibleRegion region;
-  for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, weighting, counts))
-    if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
+  for (const VisiblePoint& visible : probeCamera(scene, PROBES, 1, weighting, counts))
+    if (visible.footprint > 0)
+      region.add(visible.point.position, visible.footprint * std::max(spacing, 2.0f));
   if (scene.hasMedia()) addMedia(scene, weighting, region, counts);
   return region;
 }

@@ -111,9 +111,10 @@ void EmissionGuide::split(std::span<TrainingSample> useful, const Numbers& low, 
       double left = 0;
       for (int i = 1; i < 4; ++i) {
         left += quarters[size_t(i - 1)];
-        const double f = i / 4.0, part = left / weight;
-        const double evidence = count * ((part > 0 ? part * std::log(part / f) : 0) +
-                                         (part < 1 ? (1 - part) * std::log((1 - part) / (1 - f)) : 0));
+        const double f = i / 4.0, leftFraction = left / weight;
+        const double evidence =
+            count * ((leftFraction > 0 ? leftFraction * std::log(leftFraction / f) : 0) +
+                     (leftFraction < 1 ? (1 - leftFraction) * std::log((1 - leftFraction) / (1 - f)) : 0));
         if (evidence <= best) continue;
         best = evidence;
         dimension = d;

@@ -13,7 +13,7 @@ namespace recurse {
 
 namespace {
 
-Vec3f pointOf(const Bounds3f& box, const Vec3f& part) { return box.lower + box.diagonal() * part; }
+Vec3f pointOf(const Bounds3f& box, const Vec3f& fraction) { return box.lower + box.diagonal() * fraction; }
 
 Bounds3f boxAround(const SceneBounds& bounds) {
   return {bounds.center - bounds.radius, bounds.center + bounds.radius};
@@ -137,11 +137,11 @@ std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, co
       for (uint32_t k = 0; k < PROBES; ++k) {
         Sampler sampler(seed, i, k);
         const Vec2f u = sampler.next2D();
-        const Vec3f place(float(i % CELLS) + u.x, float(i / CELLS % CELLS) + u.y,
-                          float(z) + sampler.next1D());
+        const Vec3f position(float(i % CELLS) + u.x, float(i / CELLS % CELLS) + u.y,
+                             float(z) + sampler.next1D());
         Nesting nesting;
         const Rgb emission =
-            emissionAt(scene, medium, pointOf(box, place / float(CELLS)), time, nesting, spent[z]);
+            emissionAt(scene, medium, pointOf(box, position / float(CELLS)), time, nesting, spent[z]);
         cells[i] += double(maxComponent(emission)) / PROBES;
       }
   });
@@ -191,8 +191,8 @@ bool EmissiveMedia::learn(const Scene& scene, uint16_t around, uint64_t seed, fl
   return all;
 }
 
-EmissiveMedia::Sample EmissiveMedia::sample(const Scene& scene, float time, float choice, const Vec3f& place,
-                                            TransportCounts& counts) const {
+EmissiveMedia::Sample EmissiveMedia::sample(const Scene& scene, float time, float choice,
+                                            const Vec3f& uPosition, TransportCounts& counts) const {
   const double at = double(choice) * power();
   const auto source = std::upper_bound(sources.begin(), sources.end() - 1, at,
                                        [](double value, const Source& s) { return value < s.powers; });
@@ -201,14 +201,14 @@ EmissiveMedia::Sample EmissiveMedia::sample(const Scene& scene, float time, floa
   double u = (at - before) / (source->powers - before);
   Sample sample;
   if (u < double(EVEN_PART)) {
-    sample.position = pointOf(source->whole, place);
+    sample.position = pointOf(source->whole, uPosition);
   } else {
     u = (u - double(EVEN_PART)) / (1 - double(EVEN_PART));
     const auto cell =
         static_cast<size_t>(std::upper_bound(source->cumulative.begin(), source->cumulative.end() - 1, u) -
                             source->cumulative.begin());
     const Vec3f corner(float(cell % CELLS), float(cell / CELLS % CELLS), float(cell / CELLS / CELLS));
-    sample.position = pointOf(source->probed, (corner + place) / float(CELLS));
+    sample.position = pointOf(source->probed, (corner + uPosition) / float(CELLS));
   }
   sample.medium = source->medium;
   sample.power = emissionAt(scene, source->medium, sample.position, time, sample.nesting, counts);

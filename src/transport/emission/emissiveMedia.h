@@ -36,8 +36,8 @@ class EmissiveMedia {
     Rgb power{0};    ///< emission into all directions, divided by the density of the position [W]
     uint16_t medium = 0;
   };
-  /** Samples a position by `choice` and `place` in [0, 1). The power is black without emission there. */
-  Sample sample(const Scene& scene, float time, float choice, const Vec3f& place,
+  /** Samples a position by `choice` and `uPosition` in [0, 1). The power is black without emission there. */
+  Sample sample(const Scene& scene, float time, float choice, const Vec3f& uPosition,
                 TransportCounts& counts) const;
 
  private:

@@ -82,9 +82,9 @@ double shadowRayDensity(const Scene& scene, const LightSampler& lights, const Sh
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
                                             Sampler& sampler, TransportCounts& counts,
                                             const EmissionGuide& guide) {
-  const float which = sampler.next1D(), part = sampler.next1D();
-  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
-  EmissionGuide::Numbers n{which, part, place.x, place.y, direction.x, direction.y};
+  const float choice = sampler.next1D(), onLight = sampler.next1D();
+  const Vec2f position = sampler.next2D(), direction = sampler.next2D();
+  EmissionGuide::Numbers n{choice, onLight, position.x, position.y, direction.x, direction.y};
   const float guided = guide.active() ? guide.warp(n, sampler.next1D()) : 1;
   float pick = n[0];
   const size_t index = scene.lights().chooseIndex(pick);

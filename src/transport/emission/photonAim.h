@@ -18,17 +18,17 @@ class PhotonAim {
   /** Follows camera paths. Aims finite lights whose photons then hit the vertices over 8 times as often. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
   /** Whether any light is aimed. */
-  bool active() const { return !part.empty(); }
-  bool isAimed(uint32_t light) const { return active() && part[light] < 1; }
+  bool active() const { return !powerParts.empty(); }
+  bool isAimed(uint32_t light) const { return active() && powerParts[light] < 1; }
   size_t lampCount() const;
   /** Estimated fraction of a light's power that is emitted towards the boxes; 1 for lights without an aim. */
-  float powerPart(uint32_t light) const { return active() ? part[light] : 1; }
+  float powerPart(uint32_t light) const { return active() ? powerParts[light] : 1; }
 
   /** Replaces the direction and flux of an aimed light's sample. The flux is black where the light does not
    * emit in that direction. `pick` and `u` are in [0, 1) and independent of the sample. */
   void redirect(const Light& light, LeSample& sample, float pick, const Vec2f& u) const;
   /** Density of redirect()'s directions [1/sr]; `own`: density of the light's directions [1/sr]. */
-  float pdfDirection(const Light& light, const LeRay& ray, float own) const;
+  float pdfDirection(const Light& light, const LeRay& ray, float unaimed) const;
 
  private:
   Cone coneTo(const NestedBoxes::Box& box, const Vec3f& from) const;
@@ -37,7 +37,7 @@ class PhotonAim {
   float pdfThroughBoxes(const Light& light, const LeRay& ray, const NestedBoxes::Box* met) const;
 
   NestedBoxes boxes;
-  std::vector<float> part; ///< powerPart() by light; empty: no light is aimed
+  std::vector<float> powerParts; ///< powerPart() by light; empty: no light is aimed
 };
 
 } // namespace recurse

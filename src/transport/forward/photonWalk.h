@@ -43,8 +43,8 @@ class PhotonWalk {
   /** Shoots one photon. Returns the random numbers of its start and the inverse of their density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
     const float light = sampler.next1D(), part = sampler.next1D();
-    const Vec2f place = sampler.next2D(), direction = sampler.next2D();
-    EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
+    const Vec2f position = sampler.next2D(), direction = sampler.next2D();
+    EmissionGuide::TrainingSample start{{light, part, position.x, position.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
     const float byMedia = starts.byMedia();

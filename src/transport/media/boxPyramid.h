@@ -63,15 +63,15 @@ class BoxPyramid {
   /** Calls visit(i) for each item whose leaf the ray intersects before `end`. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     if (count == 0) return;
-    struct Place {
+    struct Box {
       uint32_t level, index;
     };
-    Place stack[MAX_LEVELS + 1];
+    Box stack[MAX_LEVELS + 1];
     int top = 0;
     stack[top++] = {0, 0};
     const Vec3f inverse = 1.0f / ray.direction;
     while (top > 0) {
-      const Place p = stack[--top];
+      const Box p = stack[--top];
       if (!intersects(boxes[(size_t(1) << p.level) - 1 + p.index], ray.origin, inverse, end)) continue;
       if (p.level < levels) {
         stack[top++] = {p.level + 1, 2 * p.index};

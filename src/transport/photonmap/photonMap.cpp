@@ -98,10 +98,11 @@ struct Keys {
       const size_t step = n / wanted;
       for (size_t i = 0; i < wanted; ++i) sample[i] = coordinate(first + i * step + step / 2, axis);
       const double rank = static_cast<double>(middle - first) / static_cast<double>(n);
-      const double place = rank * static_cast<double>(wanted);
+      const double wantedRank = rank * static_cast<double>(wanted);
       const double spread =
           n < 256 ? 0 : 1.3 * std::sqrt(static_cast<double>(wanted) * rank * (1 - rank)) + 1;
-      const double at = std::clamp(place + (high ? spread : -spread), 0.0, static_cast<double>(wanted - 1));
+      const double at =
+          std::clamp(wantedRank + (high ? spread : -spread), 0.0, static_cast<double>(wanted - 1));
       high = !high;
       float* const nth = sample + static_cast<size_t>(at);
       std::nth_element(sample, nth, sample + wanted);
