@@ -12,6 +12,9 @@ struct aiScene;
 
 namespace recurse {
 
+/** Whether the parameters of the importer "mesh" choose a time of an animation. */
+bool wantsPose(const Parameters& p);
+
 /** `p`: parameters of the importer "mesh". Throws SceneError where the model cannot be used. */
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
                        const ImportContext& context, SceneImport& import);

@@ -118,6 +118,12 @@ void importPly(const std::string& path, const Parameters& p, const ImportContext
   }
 }
 
+/** Vertices that are equal may have different bones and morph targets: those of a pose are not joined. */
+unsigned postProcessing(const Parameters& p) {
+  const unsigned always = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
+  return wantsPose(p) ? always : always | aiProcess_JoinIdenticalVertices;
+}
+
 void importMeshFile(const Parameters& p, const ImportContext& context, SceneImport& import) {
   const std::string path = p.filePath("filename");
   if (path.ends_with(".ply") || path.ends_with(".PLY")) return importPly(path, p, context, import);
@@ -140,8 +146,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   const aiScene* scene = nullptr;
   try {
     const FaultReport report(path);
-    scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType |
-                                        aiProcess_JoinIdenticalVertices | aiProcess_ValidateDataStructure);
+    scene = importer.ReadFile(path, postProcessing(p));
     if (*importer.GetErrorString()) why = importer.GetErrorString();
   } catch (const std::bad_alloc& e) {
     why = e.what();
@@ -164,6 +169,12 @@ void registerMeshFile(PlugIns& plugIns) {
                        booleanParameter("materials", "true",
                                         "use the file's materials; false: the current material of the scene"),
                        booleanParameter("lights", "true", "use the file's lights and emitting materials"),
+                       realParameter("time", "0",
+                                     "time of the animation [seconds], limited to its keyframes; without "
+                                     "time and animation, the pose in which the file stores its meshes"),
+                       stringParameter("animation", "",
+                                       "name of the animation; by default the first one. Those without a "
+                                       "name are \"animation 1\", \"animation 2\" and so on"),
                        outsideParameter()},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {
