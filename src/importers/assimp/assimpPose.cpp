@@ -32,8 +32,8 @@ double fractionBetween(double start, double end, double time) {
   return fraction > 0 ? std::min(fraction, 1.0) : 0; // 0 for NaN, of equal times
 }
 
-Vec3d valueOf(const aiVectorKey& key) { return vectorOf(key.mValue); }
-glm::dquat valueOf(const aiQuatKey& key) {
+Vec3d keyValue(const aiVectorKey& key) { return vectorOf(key.mValue); }
+glm::dquat keyValue(const aiQuatKey& key) {
   return glm::normalize(
       glm::dquat(double(key.mValue.w), double(key.mValue.x), double(key.mValue.y), double(key.mValue.z)));
 }
@@ -44,9 +44,9 @@ glm::dquat interpolate(const glm::dquat& a, const glm::dquat& b, double t) { ret
 template <class Key> auto valueAt(const Key* keys, unsigned count, double time) {
   const Key* next =
       std::upper_bound(keys, keys + count, time, [](double t, const Key& key) { return t < key.mTime; });
-  if (next == keys) return valueOf(keys[0]);
-  if (next == keys + count) return valueOf(keys[count - 1]);
-  return interpolate(valueOf(next[-1]), valueOf(*next), fractionBetween(next[-1].mTime, next->mTime, time));
+  if (next == keys) return keyValue(keys[0]);
+  if (next == keys + count) return keyValue(keys[count - 1]);
+  return interpolate(keyValue(next[-1]), keyValue(*next), fractionBetween(next[-1].mTime, next->mTime, time));
 }
 
 /** Index in a key of the weight of a morph target; `mNumValuesAndWeights` where the key does not have it. */
@@ -119,7 +119,7 @@ Mat4d AssimpPose::localTransform(const aiNode& node) const {
   aiQuatKey rotation;
   node.mTransformation.Decompose(scale.mValue, rotation.mValue, position.mValue);
   const auto at = [this](const auto* keys, unsigned count, const auto& otherwise) {
-    return count > 0 ? valueAt(keys, count, ticks) : valueOf(otherwise);
+    return count > 0 ? valueAt(keys, count, ticks) : keyValue(otherwise);
   };
   const Mat3d turn = glm::mat3_cast(at(channel.mRotationKeys, channel.mNumRotationKeys, rotation));
   const Vec3d size = at(channel.mScalingKeys, channel.mNumScalingKeys, scale);

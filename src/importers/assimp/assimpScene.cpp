@@ -72,10 +72,7 @@ class AssimpSceneImport {
       if (!p.has("animation") || name == p.string("animation")) played = scene.mAnimations[i];
       names += (names.empty() ? "" : ", ") + sceneText(name);
     }
-    if (!played && p.has("animation"))
-      p.fail("animation", path + " has no animation " + sceneText(p.string("animation")),
-             names.empty() ? "no animation at all" : names);
-    if (!played) p.warn("time", path + " has no animation; its pose is the same at all times");
+    if (!played) reportMissingAnimation(p, path, names);
     return AnimationTime{played, p.real("time")};
   }
 
@@ -325,6 +322,13 @@ class AssimpSceneImport {
 } // namespace
 
 bool wantsPose(const Parameters& p) { return p.has("time") || p.has("animation"); }
+
+void reportMissingAnimation(const Parameters& p, const std::string& path, const std::string& names) {
+  if (p.has("animation"))
+    p.fail("animation", path + " has no animation " + sceneText(p.string("animation")),
+           names.empty() ? "no animation at all" : names);
+  if (p.has("time")) p.warn("time", path + " has no animation; its pose is the same at all times");
+}
 
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
                        const ImportContext& context, SceneImport& import) {

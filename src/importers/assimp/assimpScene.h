@@ -15,6 +15,10 @@ namespace recurse {
 /** Whether the parameters of the importer "mesh" choose a time of an animation. */
 bool wantsPose(const Parameters& p);
 
+/** Reports that a file lacks the animation of the parameters: an error if it is named, else a warning.
+ * `names`: the animations that exist. */
+void reportMissingAnimation(const Parameters& p, const std::string& path, const std::string& names);
+
 /** `p`: parameters of the importer "mesh". Throws SceneError where the model cannot be used. */
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
                        const ImportContext& context, SceneImport& import);

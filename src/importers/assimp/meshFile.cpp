@@ -108,11 +108,14 @@ void importPly(const std::string& path, const Parameters& p, const ImportContext
                SceneImport& import) {
   try {
     const PlyFile ply = readPly(path);
+    reportMissingAnimation(p, path, "");
     ply.forWarnings([&](const std::string& what) { p.warn("filename", path + ": " + what); });
     ImportWriter out(import, context);
     out.line(out.meshShape(std::filesystem::path(path).stem().string(), ply.mesh, Mat4d(1)));
     import.filesRead = {path};
     import.taken = {std::to_string(ply.mesh.triangles.size()) + " triangles"};
+  } catch (const SceneError&) {
+    throw;
   } catch (const Error& e) {
     p.fail("filename", e.what());
   }
