@@ -306,6 +306,25 @@ TEST_F(MeshPose, StaticWeightsNeedNoAnimation) {
   expectNear(vertices(scene.shapes[0]), morphedTriangle(0.5, 0), "half of the first target");
 }
 
+TEST_F(MeshPose, TicksOfTheFileAreItsUnitOfTime) {
+  const auto model = [](const std::string& rate) {
+    return "xof 0303txt 0032\n" + rate +
+           "Frame arm { FrameTransformMatrix { 1.,0.,0.,0., 0.,1.,0.,0., 0.,0.,1.,0., 0.,0.,0.,1.;; }\n"
+           "Mesh { 3; 0;0;0;, 1;0;0;, 0;1;0;; 1; 3;0,1,2;; } }\nAnimationSet slide { Animation { {arm}\n"
+           "AnimationKey { 2; 2; 0;3;0.,0.,0.;;, 50;3;4.,0.,0.;;; } } }\n";
+  };
+  const auto placeAt = [this](const char* time) {
+    const SceneDescription scene =
+        load(std::string("Shape \"mesh\" \"string filename\" \"m.x\" \"float time\" ") + time);
+    return vertices(scene.shapes.at(0)).at(0).x;
+  };
+  write("m.x", model("AnimTicksPerSecond { 100; }\n"));
+  EXPECT_NEAR(placeAt("0.125"), 1, TOLERANCE);
+  EXPECT_NEAR(placeAt("0.6"), 4, TOLERANCE);
+  write("m.x", model("")); // 25 per second
+  EXPECT_NEAR(placeAt("0.5"), 1, TOLERANCE);
+}
+
 TEST_F(MeshPose, UnknownAnimationsAreErrorsThatNameTheKnownOnes) {
   write("m.gltf", movingTriangle());
   pose("\"string animation\" \"walk\"", true);

@@ -19,12 +19,9 @@ namespace {
 /** Rate of formats that do not state one, as Assimp assumes [ticks/second]. */
 constexpr double USUAL_TICKS_PER_SECOND = 25;
 
-/** Time in ticks, limited to the duration. */
 double ticksOf(const AnimationTime& time) {
-  if (!time.animation) return 0;
-  const double rate = time.animation->mTicksPerSecond, duration = time.animation->mDuration;
-  const double ticks = std::max(time.seconds, 0.0) * (rate > 0 ? rate : USUAL_TICKS_PER_SECOND);
-  return duration > 0 ? std::min(ticks, duration) : ticks;
+  const double rate = time.animation->mTicksPerSecond;
+  return time.seconds * (rate > 0 ? rate : USUAL_TICKS_PER_SECOND);
 }
 
 double fractionBetween(double start, double end, double time) {

@@ -40,7 +40,7 @@ class AssimpSceneImport {
   void run() {
     if (scene.mNumMeshes == 0) fail("it has no faces");
     countUses(*scene.mRootNode, 0);
-    const std::optional<AnimationTime> time = animationTime();
+    chooseTime();
     pose.emplace(scene, axes(), time, isGltf);
     addNode(*scene.mRootNode);
     warnOfPose();
@@ -63,17 +63,17 @@ class AssimpSceneImport {
     return name.empty() ? "animation " + std::to_string(number - scene.mAnimations + 1) : name;
   }
 
-  /** The animation and time that the parameters choose; none without them. */
-  std::optional<AnimationTime> animationTime() {
-    if (!wantsPose(p)) return std::nullopt;
+  /** Sets the animation and time that the parameters choose; none without them. */
+  void chooseTime() {
+    if (!wantsPose(p)) return;
+    time = AnimationTime{nullptr, p.has("time") ? p.real("time") : 0};
     std::string names;
-    for (unsigned i = 0; i < scene.mNumAnimations && !played; ++i) {
+    for (unsigned i = 0; i < scene.mNumAnimations && !time->animation; ++i) {
       const std::string name = nameOf(*scene.mAnimations[i]);
-      if (!p.has("animation") || name == p.string("animation")) played = scene.mAnimations[i];
+      if (!p.has("animation") || name == p.string("animation")) time->animation = scene.mAnimations[i];
       names += (names.empty() ? "" : ", ") + sceneText(name);
     }
-    if (!played) reportMissingAnimation(p, path, names);
-    return AnimationTime{played, p.real("time")};
+    if (!time->animation) reportMissingAnimation(p, path, names);
   }
 
   void warnOfPose() const {
@@ -293,8 +293,9 @@ class AssimpSceneImport {
     for (const ImportedCamera& camera : import.cameras) taken.push_back("camera \"" + camera.name + "\"");
     add(left, materialsWanted ? 0 : scene.mNumMaterials, "material", "materials");
     add(left, lightsWanted ? 0 : scene.mNumLights, "light", "lights");
+    const aiAnimation* played = time ? time->animation : nullptr;
     if (played)
-      taken.push_back("animation " + sceneText(nameOf(*played)) + " at " + sceneText(p.real("time")) + " s");
+      taken.push_back("animation " + sceneText(nameOf(*played)) + " at " + sceneText(time->seconds) + " s");
     add(left, scene.mNumAnimations - (played ? 1 : 0), "animation", "animations");
     add(left, unusedSkeletons, "mesh's bones", "meshes' bones");
     add(left, colouredMeshes, "mesh's vertex colours", "meshes' vertex colours");
@@ -313,8 +314,8 @@ class AssimpSceneImport {
   std::vector<int> uses;            ///< number of nodes that show each mesh
   std::vector<std::string> objects; ///< object name of each mesh with several placements
   std::optional<AssimpPose> pose;
-  const aiAnimation* played = nullptr;
-  std::set<const aiMesh*> skinned; ///< meshes that bones have placed
+  std::optional<AnimationTime> time; ///< none: the file's rest pose
+  std::set<const aiMesh*> skinned;   ///< meshes that bones have placed
   size_t meshes = 0, triangles = 0, instances = 0, lights = 0;
   size_t unknownLights = 0, flat = 0, colouredMeshes = 0, unusedSkeletons = 0;
 };

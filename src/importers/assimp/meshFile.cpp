@@ -172,7 +172,7 @@ void registerMeshFile(PlugIns& plugIns) {
                        booleanParameter("materials", "true",
                                         "use the file's materials; false: the current material of the scene"),
                        booleanParameter("lights", "true", "use the file's lights and emitting materials"),
-                       realParameter("time", "0",
+                       realParameter("time", "",
                                      "time of the animation [seconds], limited to its keyframes; without "
                                      "time and animation, the pose in which the file stores its meshes"),
                        stringParameter("animation", "",
