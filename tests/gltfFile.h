@@ -22,12 +22,27 @@ class GltfFile {
 
   /** Text of the file. `members`: scenes, nodes, meshes and so on, as JSON. */
   std::string text(const std::string& members) const {
-    return R"({"asset":{"version":"2.0"},"scene":0,)" + members + R"(,"accessors":[)" + accessors +
-           R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" + std::to_string(buffer.size()) +
-           R"(,"uri":"data:application/octet-stream;base64,)" + base64() + R"("}]})";
+    return json(members, R"(,"uri":"data:application/octet-stream;base64,)" + base64() + "\"");
+  }
+  /** The same as a binary file (.glb). */
+  std::string binary(const std::string& members) const {
+    std::string first = json(members, "");
+    first.resize((first.size() + 3) / 4 * 4, ' ');
+    const auto length = [](size_t bytes) {
+      const auto value = static_cast<uint32_t>(bytes);
+      return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    return "glTF" + length(2) + length(28 + first.size() + buffer.size()) + length(first.size()) + "JSON" +
+           first + length(buffer.size()) + std::string("BIN\0", 4) + buffer;
   }
 
  private:
+  std::string json(const std::string& members, const std::string& uri) const {
+    return R"({"asset":{"version":"2.0"},"scene":0,)" + members + R"(,"accessors":[)" + accessors +
+           R"(],"bufferViews":[)" + views + R"(],"buffers":[{"byteLength":)" + std::to_string(buffer.size()) +
+           uri + "}]}";
+  }
+
   int add(const std::string& type, int component, const void* data, size_t size, size_t values) {
     const size_t perElement = type == "SCALAR" ? 1 : type == "MAT4" ? 16 : size_t(type.back() - '0');
     const std::string comma = count > 0 ? "," : "";

@@ -267,6 +267,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       booleanParameter("lights", "true", ""), realParameter("time", "", ""),
       stringParameter("animation", "", "")};
   const std::unique_ptr<aiScene> scene = SceneMaker(data, size).make();
+  static const GltfDetails DETAILS = {
+      {{{{"a", "rotation"}, GltfInterpolation::STEP}, {{"a", "weights"}, GltfInterpolation::STEP}}},
+      {{"a", {0.5, 2, -1}}},
+      false};
   static constexpr const char* TIMES[] = {"", " \"float time\" 0.5", " \"float time\" -1",
                                           " \"string animation\" \"a\" \"float time\" 2"};
   const ParsedDirective shape = parseParameterText("mesh", "\"string filename\" \"/nowhere/model.gltf\"" +
@@ -276,7 +280,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   SceneImport import;
   bool made = false;
   readAnything([&] {
-    importAssimpScene(*scene, "/nowhere/model.gltf", p, {"import1:", "import1/"}, import);
+    importAssimpScene(*scene, "/nowhere/model.gltf", p, {"import1:", "import1/"},
+                      size % 3 == 0 ? nullptr : &DETAILS, import);
     made = true;
   });
   if (made) checkImport(import);

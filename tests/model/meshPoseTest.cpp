@@ -24,8 +24,8 @@ class MeshPose : public ImportTest {
   SceneDescription pose(const std::string& parameters, bool wantErrors = false) {
     return load("Shape \"mesh\" \"string filename\" \"m.gltf\" " + parameters, wantErrors);
   }
-  SceneDescription poseAt(double time, const std::string& more = {}) {
-    return pose("\"float time\" " + recurse::sceneText(time) + " " + more);
+  SceneDescription poseAt(double time, const std::string& more = {}, bool wantErrors = false) {
+    return pose("\"float time\" " + recurse::sceneText(time) + " " + more, wantErrors);
   }
   static MeshData meshOf(const ShapeDescription& s) {
     const std::string& name = s.shape.parameters.at(0).strings.at(0);
@@ -58,16 +58,17 @@ const std::vector<Vec3d> TRIANGLE = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 /** A triangle in nodes of which "arm" moves from x = 0 to 4 until 2 s, turns by 90° about z until 1 s, and
  * grows along y from 1 to 3 between 1 s and 2 s. Under it are a camera and a lamp. */
-std::string movingTriangle() {
+std::string movingTriangle(const std::string& interpolation = "LINEAR", bool isBinary = false) {
   GltfFile f;
   const int triangle = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}), twoTimes = f.floats("SCALAR", {0, 2}),
             places = f.floats("VEC3", {0, 0, 0, 4, 0, 0}), oneSecond = f.floats("SCALAR", {0, 1}),
             turns = f.floats("VEC4", {0, 0, 0, 1, 0, 0, HALF_SQRT2, HALF_SQRT2}),
             late = f.floats("SCALAR", {1, 2}), sizes = f.floats("VEC3", {1, 1, 1, 1, 3, 1});
-  const auto sampler = [](int input, int output) {
-    return R"({"input":)" + indexText(input) + R"(,"output":)" + indexText(output) + "}";
+  const auto sampler = [&interpolation](int input, int output) {
+    return R"({"interpolation":")" + interpolation + R"(","input":)" + indexText(input) + R"(,"output":)" +
+           indexText(output) + "}";
   };
-  return f.text(
+  const std::string members =
       R"("scenes":[{"nodes":[0]}],"nodes":[{"children":[1,3],"translation":[0,10,0]},)"
       R"({"name":"arm","mesh":0,"children":[2,4],"translation":[9,9,9]},)"
       R"({"name":"eye","camera":0,"translation":[0,0,5]},{"mesh":0,"translation":[0,0,7]},)"
@@ -83,7 +84,8 @@ std::string movingTriangle() {
       R"({"sampler":2,"target":{"node":1,"path":"scale"}}],"samplers":[)" +
       sampler(twoTimes, places) + "," + sampler(oneSecond, turns) + "," + sampler(late, sizes) +
       R"(]},{"channels":[{"sampler":0,"target":{"node":3,"path":"translation"}}],"samplers":[)" +
-      sampler(twoTimes, places) + "]}]");
+      sampler(twoTimes, places) + "]}]";
+  return isBinary ? f.binary(members) : f.text(members);
 }
 
 Vec3d movedTriangle(const Vec3d& p, double time) {
@@ -130,7 +132,8 @@ std::string bendingStrip(const std::string& upperBone = R"("name":"upper")") {
 
 /** A triangle with two morph targets in two nodes, with static weights .5 and 0. In the animation the first
  * node's weights go from 0, 1 to 1, 0 in two seconds. */
-std::string morphingTriangle(bool isAnimated, bool isSpline = false) {
+std::string morphingTriangle(bool isAnimated, const std::string& interpolation = "LINEAR") {
+  const bool isSpline = interpolation == "CUBICSPLINE";
   GltfFile f;
   const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}),
             normals = f.floats("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1}),
@@ -147,9 +150,9 @@ std::string morphingTriangle(bool isAnimated, bool isSpline = false) {
       "}]}]}]";
   if (isAnimated)
     members += R"(,"animations":[{"channels":[{"sampler":0,"target":{"node":0,"path":"weights"}}],)"
-               R"("samplers":[{"interpolation":)" +
-               std::string(isSpline ? R"("CUBICSPLINE")" : R"("LINEAR")") + R"(,"input":)" +
-               indexText(times) + R"(,"output":)" + indexText(weights) + "}]}]";
+               R"("samplers":[{"interpolation":")" +
+               interpolation + R"(","input":)" + indexText(times) + R"(,"output":)" + indexText(weights) +
+               "}]}]";
   return f.text(members);
 }
 
@@ -277,12 +280,14 @@ TEST_F(MeshPose, WeightsBlendPositionsAndNormalsByTheInverseTranspose) {
 }
 
 TEST_F(MeshPose, MorphTargetsAddUpByTheirWeights) {
-  for (const bool isSpline : {false, true}) {
-    write("m.gltf", morphingTriangle(true, isSpline));
+  for (const std::string interpolation : {"LINEAR", "CUBICSPLINE"}) {
+    write("m.gltf", morphingTriangle(true, interpolation));
     for (const double time : {-3.0, 0.0, 0.5, 1.0, 2.0, 4.0}) {
       const SceneDescription scene = poseAt(time);
-      const std::string where = (isSpline ? "spline, time " : "time ") + recurse::sceneText(time);
+      const std::string where = interpolation + ", time " + recurse::sceneText(time);
       ASSERT_EQ(scene.shapes.size(), 2u) << where;
+      EXPECT_EQ(messages.find("CUBICSPLINE keyframes are interpolated linearly") != std::string::npos,
+                interpolation == "CUBICSPLINE");
       const double weight = std::clamp(time / 2, 0.0, 1.0);
       expectNear(vertices(scene.shapes[0]), morphedTriangle(weight, 1 - weight), where);
       const std::vector<Vec3d> normals = meshOf(scene.shapes[0]).normals;
@@ -304,6 +309,48 @@ TEST_F(MeshPose, StaticWeightsNeedNoAnimation) {
   EXPECT_NE(messages.find("m.gltf has no animation; its pose is the same at all times"), std::string::npos);
   ASSERT_EQ(scene.shapes.size(), 2u);
   expectNear(vertices(scene.shapes[0]), morphedTriangle(0.5, 0), "half of the first target");
+}
+
+TEST_F(MeshPose, StepsStayUntilTheNextKeyframe) {
+  write("m.gltf", movingTriangle("STEP"));
+  const auto corner = [this](double time) {
+    return transformPoint(poseAt(time).instances.at(0).worldFromInstance, {1, 1, 0});
+  };
+  expectNear(corner(0.9), {1, 11, 0}, "the first keyframes");
+  expectNear(corner(1.9), {-1, 11, 0}, "turned");
+  expectNear(corner(2), {1, 11, 0}, "moved and stretched");
+  write("m.gltf", morphingTriangle(true, "STEP"));
+  expectNear(vertices(poseAt(1.9).shapes.at(0)), morphedTriangle(0, 1), "the first weights");
+  expectNear(vertices(poseAt(2).shapes.at(0)), morphedTriangle(1, 0), "the last weights");
+}
+
+TEST_F(MeshPose, BinaryFilesHaveTheSamePose) {
+  write("m.glb", movingTriangle("STEP", true));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.glb\" \"float time\" 1.9");
+  expectNear(transformPoint(scene.instances.at(0).worldFromInstance, {1, 1, 0}), {-1, 11, 0}, "turned");
+}
+
+TEST_F(MeshPose, WeightsOfANodeReplaceThoseOfItsMesh) {
+  std::string text = morphingTriangle(false);
+  text.replace(text.find(R"({"name":"b",)"), 1, R"({"weights":[0.25,2],)");
+  write("m.gltf", text);
+  const SceneDescription scene = poseAt(0);
+  expectNear(vertices(scene.shapes.at(0)), morphedTriangle(0.5, 0), "those of the mesh");
+  std::vector<Vec3d> expected = morphedTriangle(0.25, 2);
+  for (Vec3d& p : expected) p.y += 9;
+  expectNear(vertices(scene.shapes.at(1)), expected, "those of the node");
+}
+
+TEST_F(MeshPose, IntegersThatAssimpMisreadsAreErrors) {
+  std::string text = bendingStrip();
+  const std::string weights = R"({"bufferView":4,"componentType":5126)";
+  ASSERT_NE(text.find(weights), std::string::npos);
+  write("m.gltf",
+        text.replace(text.find(weights), weights.size(), R"({"bufferView":4,"componentType":5121)"));
+  poseAt(0, "", true);
+  EXPECT_NE(messages.find("m.gltf: cannot be used: its joint weights or keyframes are integers"),
+            std::string::npos)
+      << messages;
 }
 
 TEST_F(MeshPose, TicksOfTheFileAreItsUnitOfTime) {

@@ -37,12 +37,13 @@ glm::dquat keyValue(const aiQuatKey& key) {
 Vec3d interpolate(const Vec3d& a, const Vec3d& b, double t) { return glm::mix(a, b, t); }
 glm::dquat interpolate(const glm::dquat& a, const glm::dquat& b, double t) { return glm::slerp(a, b, t); }
 
-/** Value at a time; that of the first key before it, and of the last key after it. `count` > 0. */
-template <class Key> auto valueAt(const Key* keys, unsigned count, double time) {
+/** Value at a time; that of the first key before it, and of the last key after it. `count` > 0. Values of
+ * steps stay until the next key. */
+template <class Key> auto valueAt(const Key* keys, unsigned count, double time, bool isStep) {
   const Key* next =
       std::upper_bound(keys, keys + count, time, [](double t, const Key& key) { return t < key.mTime; });
   if (next == keys) return keyValue(keys[0]);
-  if (next == keys + count) return keyValue(keys[count - 1]);
+  if (isStep || next == keys + count) return keyValue(next[-1]);
   return interpolate(keyValue(next[-1]), keyValue(*next), fractionBetween(next[-1].mTime, next->mTime, time));
 }
 
@@ -54,16 +55,18 @@ unsigned weightIndex(const aiMeshMorphKey& key, unsigned target) {
 
 /** Weight of a morph target at a time, between the keys that have it: those of FBX have only the targets
  * with a keyframe at their time. */
-double weightAt(const aiMeshMorphAnim& channel, unsigned target, double time, double otherwise) {
+double weightAt(const aiMeshMorphAnim& channel, unsigned target, double time, bool isStep, double otherwise) {
   double startTime = 0, startWeight = 0;
   bool hasStart = false;
   for (unsigned i = 0; i < channel.mNumKeys; ++i) {
     const aiMeshMorphKey& key = channel.mKeys[i];
     const unsigned k = weightIndex(key, target);
     if (k == key.mNumValuesAndWeights) continue;
-    if (key.mTime > time)
-      return hasStart ? glm::mix(startWeight, key.mWeights[k], fractionBetween(startTime, key.mTime, time))
-                      : key.mWeights[k];
+    if (key.mTime > time) {
+      if (!hasStart) return key.mWeights[k];
+      const double fraction = isStep ? 0 : fractionBetween(startTime, key.mTime, time);
+      return glm::mix(startWeight, key.mWeights[k], fraction);
+    }
     startTime = key.mTime;
     startWeight = key.mWeights[k];
     hasStart = true;
@@ -86,11 +89,14 @@ Vec3d unitVector(const Vec3d& n, const Vec3d& otherwise) {
 } // namespace
 
 AssimpPose::AssimpPose(const aiScene& scene, const Mat4d& world, const std::optional<AnimationTime>& time,
-                       bool isGltf)
-    : scene(scene), isPosed(time.has_value()), isGltf(isGltf) {
+                       const GltfDetails* gltf)
+    : scene(scene), isPosed(time.has_value()), gltf(gltf) {
   if (time && time->animation) {
     const aiAnimation& animation = *time->animation;
     ticks = ticksOf(*time);
+    animationIndex = static_cast<size_t>(
+        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation) -
+        scene.mAnimations);
     for (unsigned i = 0; i < animation.mNumChannels; ++i)
       channels[animation.mChannels[i]->mNodeName.C_Str()] = animation.mChannels[i];
     for (unsigned i = 0; i < animation.mNumMorphMeshChannels; ++i)
@@ -107,21 +113,30 @@ void AssimpPose::place(const aiNode& node, const Mat4d& parent) {
   for (unsigned i = 0; i < node.mNumChildren; ++i) place(*node.mChildren[i], placement);
 }
 
+bool AssimpPose::isStep(const std::string& node, const char* property) const {
+  if (!gltf || animationIndex >= gltf->animations.size()) return false;
+  const auto& interpolations = gltf->animations[animationIndex];
+  const auto found = interpolations.find({node, property});
+  return found != interpolations.end() && found->second == GltfInterpolation::STEP;
+}
+
 Mat4d AssimpPose::localTransform(const aiNode& node) const {
-  const auto found = channels.find(node.mName.C_Str());
+  const std::string name = node.mName.C_Str();
+  const auto found = channels.find(name);
   if (found == channels.end()) return matrixOf(node.mTransformation);
   const aiNodeAnim& channel = *found->second;
   // The file's values are those of components without keys.
   aiVectorKey position, scale;
   aiQuatKey rotation;
   node.mTransformation.Decompose(scale.mValue, rotation.mValue, position.mValue);
-  const auto at = [this](const auto* keys, unsigned count, const auto& otherwise) {
-    return count > 0 ? valueAt(keys, count, ticks) : keyValue(otherwise);
+  const auto at = [&](const auto* keys, unsigned count, const auto& otherwise, const char* property) {
+    return count > 0 ? valueAt(keys, count, ticks, isStep(name, property)) : keyValue(otherwise);
   };
-  const Mat3d turn = glm::mat3_cast(at(channel.mRotationKeys, channel.mNumRotationKeys, rotation));
-  const Vec3d size = at(channel.mScalingKeys, channel.mNumScalingKeys, scale);
+  const Mat3d turn =
+      glm::mat3_cast(at(channel.mRotationKeys, channel.mNumRotationKeys, rotation, "rotation"));
+  const Vec3d size = at(channel.mScalingKeys, channel.mNumScalingKeys, scale, "scale");
   Mat4d local(Mat3d(turn[0] * size.x, turn[1] * size.y, turn[2] * size.z));
-  local[3] = Vec4d(at(channel.mPositionKeys, channel.mNumPositionKeys, position), 1);
+  local[3] = Vec4d(at(channel.mPositionKeys, channel.mNumPositionKeys, position, "translation"), 1);
   return local;
 }
 
@@ -144,19 +159,23 @@ void AssimpPose::deform(const aiMesh& mesh, const aiNode& node, MeshData& data) 
 
 std::vector<double> AssimpPose::morphWeights(const aiMesh& mesh, const aiNode& node) const {
   const unsigned count = mesh.mNumAnimMeshes;
-  std::vector<double> weights(count, 0);
-  // Assimp 5.2 has the static weights of glTF, but ones in place of those of FBX and COLLADA.
-  for (unsigned i = 0; isGltf && i < count; ++i) weights[i] = double(mesh.mAnimMeshes[i]->mWeight);
   const std::string name = node.mName.C_Str();
+  std::vector<double> weights(count, 0);
+  if (gltf) { // Assimp 5.2 has ones in place of the static weights of FBX and COLLADA
+    for (unsigned i = 0; i < count; ++i) weights[i] = double(mesh.mAnimMeshes[i]->mWeight);
+    const auto ofNode = gltf->nodeWeights.find(name);
+    if (ofNode != gltf->nodeWeights.end())
+      std::copy_n(ofNode->second.begin(), std::min<size_t>(count, ofNode->second.size()), weights.begin());
+  }
   auto found = morphChannels.find(name);
   if (found == morphChannels.end()) found = morphChannels.find(name + "*0"); // the node's first mesh in FBX
   if (found == morphChannels.end()) return weights;
   const aiMeshMorphAnim& channel = *found->second;
   // Of the tangents and weights of a spline, Assimp 5.2 drops one at either end.
   const bool isSpline =
-      isGltf && count > 1 && channel.mNumKeys > 0 && channel.mKeys[0].mNumValuesAndWeights == 3 * count - 2;
+      gltf && count > 1 && channel.mNumKeys > 0 && channel.mKeys[0].mNumValuesAndWeights == 3 * count - 2;
   for (unsigned i = 0; i < count; ++i)
-    weights[i] = weightAt(channel, isSpline ? i + count - 1 : i, ticks, weights[i]);
+    weights[i] = weightAt(channel, isSpline ? i + count - 1 : i, ticks, isStep(name, "weights"), weights[i]);
   return weights;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "importers/assimp/gltfDetails.h"
 #include "recurse/core/math/vector.h"
 #include "recurse/model/mesh/triangleMesh.h"
 
@@ -31,8 +32,9 @@ struct AnimationTime {
 class AssimpPose {
  public:
   /** `world`: transform above the root node. Without `time`, the nodes have the transforms of the file and
-   * the vertices are those of the meshes. */
-  AssimpPose(const aiScene& scene, const Mat4d& world, const std::optional<AnimationTime>& time, bool isGltf);
+   * the vertices are those of the meshes. `gltf`: details of a glTF file; null for other formats. */
+  AssimpPose(const aiScene& scene, const Mat4d& world, const std::optional<AnimationTime>& time,
+             const GltfDetails* gltf);
 
   const Mat4d& placement(const aiNode& node) const { return byNode.at(&node); }
   /** Placement of the node of this name; identity where there is none. */
@@ -53,12 +55,15 @@ class AssimpPose {
  private:
   void place(const aiNode& node, const Mat4d& parent);
   Mat4d localTransform(const aiNode& node) const;
+  bool isStep(const std::string& node, const char* property) const;
   std::vector<double> morphWeights(const aiMesh& mesh, const aiNode& node) const;
   void morph(const aiMesh& mesh, const aiNode& node, MeshData& data) const;
   void skin(const aiMesh& mesh, const aiNode& node, MeshData& data);
 
   const aiScene& scene;
-  const bool isPosed, isGltf;
+  const bool isPosed;
+  const GltfDetails* const gltf;
+  size_t animationIndex = 0;
   double ticks = 0;
   std::map<std::string, const aiNodeAnim*> channels;           ///< by name of the node
   std::map<std::string, const aiMeshMorphAnim*> morphChannels; ///< by name of the node

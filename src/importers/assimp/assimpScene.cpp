@@ -31,17 +31,17 @@ std::string counted(size_t count, const char* one, const char* many) {
 class AssimpSceneImport {
  public:
   AssimpSceneImport(const aiScene& scene, const std::string& path, const Parameters& p,
-                    const ImportContext& context, SceneImport& import)
-      : scene(scene), p(p), import(import), out(import, context), path(path),
+                    const ImportContext& context, const GltfDetails* gltf, SceneImport& import)
+      : scene(scene), p(p), gltf(gltf), import(import), out(import, context), path(path),
         materials(scene, path, p, import, out), materialsWanted(p.boolean("materials")),
-        lightsWanted(p.boolean("lights")), isGltf(path.ends_with(".gltf") || path.ends_with(".glb")),
-        uses(scene.mNumMeshes), objects(scene.mNumMeshes) {}
+        lightsWanted(p.boolean("lights")), isGltfFile(isGltf(path)), uses(scene.mNumMeshes),
+        objects(scene.mNumMeshes) {}
 
   void run() {
     if (scene.mNumMeshes == 0) fail("it has no faces");
     countUses(*scene.mRootNode, 0);
     chooseTime();
-    pose.emplace(scene, axes(), time, isGltf);
+    pose.emplace(scene, axes(), time, gltf);
     addNode(*scene.mRootNode);
     warnOfPose();
     if (triangles == 0) fail("no node uses its triangles");
@@ -260,7 +260,7 @@ class AssimpSceneImport {
       const Mat4d placement = pose->placement(camera.mName.C_Str());
       const Mat3d place(placement);
       // Assimp 5.2 puts the translation of glTF's node into the camera once more.
-      const Vec3d offset = isGltf ? Vec3d(0) : vectorOf(camera.mPosition);
+      const Vec3d offset = isGltfFile ? Vec3d(0) : vectorOf(camera.mPosition);
       const Vec3d eye = transformPoint(placement, offset);
       const Vec3d forward = place * vectorOf(camera.mLookAt), up = place * vectorOf(camera.mUp);
       const Vec3d right = glm::cross(forward, up); // right-handed, as Assimp's space is
@@ -306,11 +306,12 @@ class AssimpSceneImport {
 
   const aiScene& scene;
   const Parameters& p;
+  const GltfDetails* const gltf;
   SceneImport& import;
   ImportWriter out;
   std::string path;
   AssimpMaterials materials;
-  bool materialsWanted, lightsWanted, isGltf;
+  bool materialsWanted, lightsWanted, isGltfFile;
   std::vector<int> uses;            ///< number of nodes that show each mesh
   std::vector<std::string> objects; ///< object name of each mesh with several placements
   std::optional<AssimpPose> pose;
@@ -332,8 +333,8 @@ void reportMissingAnimation(const Parameters& p, const std::string& path, const 
 }
 
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
-                       const ImportContext& context, SceneImport& import) {
-  AssimpSceneImport(scene, path, p, context, import).run();
+                       const ImportContext& context, const GltfDetails* gltf, SceneImport& import) {
+  AssimpSceneImport(scene, path, p, context, gltf, import).run();
 }
 
 } // namespace recurse

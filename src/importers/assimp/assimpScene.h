@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "importers/assimp/gltfDetails.h"
 #include "recurse/model/scene/sceneImport.h"
 
 struct aiScene;
@@ -19,8 +20,9 @@ bool wantsPose(const Parameters& p);
  * `names`: the animations that exist. */
 void reportMissingAnimation(const Parameters& p, const std::string& path, const std::string& names);
 
-/** `p`: parameters of the importer "mesh". Throws SceneError where the model cannot be used. */
+/** `p`: parameters of the importer "mesh". `gltf`: details of a glTF file; null: none. Throws SceneError
+ * where the model cannot be used. */
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
-                       const ImportContext& context, SceneImport& import);
+                       const ImportContext& context, const GltfDetails* gltf, SceneImport& import);
 
 } // namespace recurse

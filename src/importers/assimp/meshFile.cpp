@@ -127,6 +127,23 @@ unsigned postProcessing(const Parameters& p) {
   return wantsPose(p) ? always : always | aiProcess_JoinIdenticalVertices;
 }
 
+/** Details of a glTF file that a pose needs. */
+std::optional<GltfDetails> gltfDetails(const std::string& path, const Parameters& p) {
+  if (!wantsPose(p) || !isGltf(path)) return std::nullopt;
+  try {
+    GltfDetails details = readGltfDetails(path, readFileBytes(path));
+    if (details.hasIntegers)
+      p.fail("filename", path + ": cannot be used: its joint weights or keyframes are integers",
+             "floats, as exporters write them without compression");
+    if (details.hasSplines()) p.warn("time", path + ": its CUBICSPLINE keyframes are interpolated linearly");
+    return details;
+  } catch (const SceneError&) {
+    throw;
+  } catch (const Error& e) {
+    p.fail("filename", path + ": cannot be used: " + e.what());
+  }
+}
+
 void importMeshFile(const Parameters& p, const ImportContext& context, SceneImport& import) {
   const std::string path = p.filePath("filename");
   if (path.ends_with(".ply") || path.ends_with(".PLY")) return importPly(path, p, context, import);
@@ -158,7 +175,8 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   if (why == std::bad_alloc().what())
     why = "it needs more memory than a file of this size should: the file is damaged, or memory is short";
   if (!scene || !scene->mRootNode) p.fail("filename", path + ": cannot be used: " + why);
-  importAssimpScene(*scene, path, p, context, import);
+  const std::optional<GltfDetails> gltf = gltfDetails(path, p);
+  importAssimpScene(*scene, path, p, context, gltf ? &*gltf : nullptr, import);
 }
 
 } // namespace
