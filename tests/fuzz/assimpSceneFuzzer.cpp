@@ -50,6 +50,7 @@ class SceneMaker {
   template <class T, class Make>
   void fill(T**& list, unsigned& count, unsigned least, unsigned most, const Make& make) {
     count = in.ConsumeIntegralInRange(least, most);
+    if (count == 0) return; // Assimp does not delete an empty list
     list = new T*[count];
     for (unsigned i = 0; i < count; ++i) list[i] = make();
   }
