@@ -14,6 +14,7 @@
 #include "importers/assimp/assimpMaterials.h"
 #include "importers/assimp/assimpPose.h"
 #include "importers/assimp/assimpVectors.h"
+#include "recurse/core/io/text.h"
 #include "recurse/core/math/affine.h"
 
 namespace recurse {
@@ -59,7 +60,8 @@ class AssimpSceneImport {
 
   std::string nameOf(const aiAnimation& animation) const {
     const std::string name = animation.mName.C_Str();
-    const auto number = std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation);
+    const auto* const number =
+        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation);
     return name.empty() ? "animation " + std::to_string(number - scene.mAnimations + 1) : name;
   }
 
@@ -234,17 +236,20 @@ class AssimpSceneImport {
       const std::string end =
           "[ " + sceneText(from + (directed ? glm::normalize(direction) : Vec3d(0, 0, -1))) + " ]";
       if (light.mType == aiLightSource_POINT) {
-        out.line("LightSource \"point\" \"rgb I\" " + value + " \"point3 from\" " + start);
+        out.line(
+            formatted(R"(LightSource "point" "rgb I" %s "point3 from" %s)", value.c_str(), start.c_str()));
       } else if (light.mType == aiLightSource_DIRECTIONAL) {
-        out.line("LightSource \"distant\" \"rgb L\" " + value + " \"point3 from\" " + start +
-                 " \"point3 to\" " + end);
+        out.line(formatted(R"(LightSource "distant" "rgb L" %s "point3 from" %s "point3 to" %s)",
+                           value.c_str(), start.c_str(), end.c_str()));
       } else if (light.mType == aiLightSource_SPOT) {
         // Cone angles of the scene are half of Assimp's.
         const double outer = std::clamp(glm::degrees(finite(light.mAngleOuterCone)) / 2, 0.5, 180.0);
         const double inner = std::clamp(glm::degrees(finite(light.mAngleInnerCone)) / 2, 0.0, outer);
-        out.line("LightSource \"spot\" \"rgb I\" " + value + " \"point3 from\" " + start + " \"point3 to\" " +
-                 end + " \"float coneangle\" " + sceneText(outer) + " \"float conedeltaangle\" " +
-                 sceneText(outer - inner));
+        out.line(
+            formatted(R"(LightSource "spot" "rgb I" %s "point3 from" %s "point3 to" %s "float coneangle" %s)"
+                      R"( "float conedeltaangle" %s)",
+                      value.c_str(), start.c_str(), end.c_str(), sceneText(outer).c_str(),
+                      sceneText(outer - inner).c_str()));
       } else {
         ++unknownLights;
         continue;
