@@ -397,6 +397,8 @@ TEST_F(MeshPose, NodesOfOneNameAreAWarningWhereTheyMove) {
   poseAt(1);
   EXPECT_NE(messages.find("several nodes that the pose needs are called \"arm\""), std::string::npos)
       << messages;
+  pose("\"string animation\" \"wave\"");
+  EXPECT_TRUE(messages.starts_with("test.pbrt:2:")) << messages;
   pose("");
   EXPECT_EQ(messages, "");
 }
