@@ -3,6 +3,7 @@
  */
 #include "program.h"
 
+#include "gltfFile.h"
 #include "recurse/core/image/image.h"
 
 using namespace programTesting;
@@ -25,6 +26,26 @@ class Frames : public Program {
     write("film.pbrt", "Animate \"x\" \"float times\" [ 0 2 ] \"float values\" [ -.5 .5 ]\n"
                        "Animate \"glow\" \"float times\" [ 0 4 ] \"float values\" [ 0 1 ]\n" +
                            animated("$x", "$glow"));
+  }
+  /** Expects that each frame of a scene with `$n` from 0 to 2 is the scene in which shapes(n) has this number
+   * written out, and that no two frames are equal. */
+  void expectFrames(const std::function<std::string(const std::string& n)>& shapes) const {
+    write("played.pbrt",
+          "Animate \"n\" \"float times\" [ 0 2 ] \"float values\" [ 0 2 ]\n" + scene("", shapes("$n")));
+    const Outcome o =
+        run({"render", "played.pbrt", "--frames", "0:2", "-o", "p.exr", "--integrator", "path"});
+    ASSERT_EQ(o.status, 0) << o.err;
+    std::vector<recurse::Image> frames;
+    for (const std::string n : {"0", "1", "2"}) {
+      write("alone.pbrt", scene("", shapes(n)));
+      const Outcome alone = run({"render", "alone.pbrt", "-o", "alone.exr", "--integrator", "path"});
+      ASSERT_EQ(alone.status, 0) << alone.err;
+      frames.push_back(readImage(file("p-000" + n + ".exr")));
+      EXPECT_TRUE(frames.back().pixels == readImage(file("alone.exr")).pixels) << n;
+    }
+    EXPECT_FALSE(frames[0].pixels == frames[1].pixels);
+    EXPECT_FALSE(frames[1].pixels == frames[2].pixels);
+    EXPECT_FALSE(frames[0].pixels == frames[2].pixels);
   }
 };
 
@@ -52,6 +73,51 @@ TEST_F(Frames, AreTheScenesWithTheirNumbersWrittenOut) {
   const Outcome o = run({"render", "film.pbrt", "--frames", "2", "--integrator", "path"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_TRUE(readImage(file("film-0002.exr")).pixels == readImage(file("f-0002.exr")).pixels);
+}
+
+TEST_F(Frames, HaveAMeshFileEach) {
+  for (int n = 0; n < 3; ++n) {
+    const std::string height = std::to_string(0.3 + 0.3 * n);
+    write("cloth000" + std::to_string(n) + ".ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face 1\nproperty list uchar int vertex_indices\nend_header\n-1 0 0\n1 0 0\n0 " +
+              height + " 0\n3 0 1 2\n");
+  }
+  const auto shapes = [](const char* shape) {
+    return [shape](const std::string& n) {
+      const std::string number = n == "$n" ? "$n%04d" : "000" + n;
+      return "Shape \"" + std::string(shape) + "\" \"string filename\" \"cloth" + number + ".ply\"\n";
+    };
+  };
+  expectFrames(shapes("plymesh"));
+  expectFrames(shapes("mesh"));
+  std::filesystem::remove(file("cloth0002.ply"));
+  const Outcome missing = run({"render", "played.pbrt", "--frames", "0:2", "--check"});
+  EXPECT_NE(missing.status, 0);
+  EXPECT_TRUE(has(missing.err, "there is no file \"cloth0002.ply\"")) << missing.err;
+}
+
+TEST_F(Frames, PlayTheAnimationOfAModel) {
+  recurse::testing::GltfFile model; // a triangle that falls back
+  const int positions = model.floats("VEC3", {-1, 0, 0, 1, 0, 0, 0, 1, 0}),
+            times = model.floats("SCALAR", {0, 2}),
+            turns = model.floats("VEC4", {0, 0, 0, 1, -0.70710678f, 0, 0, 0.70710678f});
+  write("m.gltf", model.text(R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],"meshes":[{"primitives":[{)"
+                             R"("attributes":{"POSITION":)" +
+                             std::to_string(positions) +
+                             R"(}}]}],"animations":[{"channels":[{"sampler":0,"target":{"node":0,)"
+                             R"("path":"rotation"}}],"samplers":[{"input":)" +
+                             std::to_string(times) + R"(,"output":)" + std::to_string(turns) + "}]}]"));
+  expectFrames([](const std::string& n) {
+    return "Shape \"mesh\" \"string filename\" \"m.gltf\" \"float time\" " + n + "\n";
+  });
+  // The model turned by hand.
+  const char* WITHOUT = "\nShape \"mesh\" \"string filename\" \"m.gltf\"\n";
+  write("alone.pbrt", scene("", std::string("Rotate -45 1 0 0") + WITHOUT));
+  const Outcome alone = run({"render", "alone.pbrt", "-o", "alone.exr", "--integrator", "path"});
+  ASSERT_EQ(alone.status, 0) << alone.err;
+  const recurse::Image turned = readImage(file("alone.exr")), frame = readImage(file("p-0001.exr"));
+  for (size_t i = 0; i < turned.pixels.size(); ++i) EXPECT_NEAR(frame.pixels[i], turned.pixels[i], 1e-3) << i;
 }
 
 TEST_F(Frames, ShareOneExposure) {

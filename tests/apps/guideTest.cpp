@@ -114,6 +114,28 @@ TEST_F(Guide, FramesMoveTheBall) {
   EXPECT_NEAR(centreOfMass(readImage(file("f-0024.exr"))), 16 + right, 0.3);
 }
 
+TEST_F(Guide, ReedsSwayAndAreBackAfterTwoSeconds) {
+  const Outcome check = run({"render", scenePath("reeds"), "--check"});
+  EXPECT_EQ(check.status, 0) << check.err;
+  const std::string said = "mesh: 3 meshes, 1040 triangles, 3 materials, animation \"sway\" at 0 s";
+  EXPECT_TRUE(has(check.out + check.err, said)) << check.out << check.err;
+  EXPECT_TRUE(has(contents(ROOT + "/doc-files/guide/animation.md"), said));
+  const auto frame = [&](const std::string& number) {
+    const Outcome o = run({"render", scenePath("reeds"), "-q", "--frames", number, "--resolution", "96x64",
+                           "--spp", "4", "-o", "f.exr"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    return readImage(file("f-00" + number + ".exr"));
+  };
+  const Image start = frame("00"), middle = frame("24"), end = frame("48");
+  double inHalf = 0, inWhole = 0; // sums of squared differences to the first frame
+  for (size_t i = 0; i < start.pixels.size(); ++i) {
+    inHalf += std::pow(double(middle.pixels[i] - start.pixels[i]), 2);
+    inWhole += std::pow(double(end.pixels[i] - start.pixels[i]), 2);
+  }
+  EXPECT_GT(inHalf, 1);
+  EXPECT_LT(inWhole, 0.01 * inHalf);
+}
+
 TEST_F(Guide, LightInFlightArrivesFirstByTheShortestWay) {
   const Image film = render("light-in-flight", "80x60", "16",
                             {"--integrator", "path", "--paths", "LDE", "--time-of-flight", "5.5:9:70"});

@@ -30,6 +30,7 @@ class SceneMaker {
     scene->mRootNode = node(scene->mNumMeshes, 0);
     fill(scene->mLights, scene->mNumLights, 0, 2, [&] { return light(); });
     fill(scene->mCameras, scene->mNumCameras, 0, 2, [&] { return camera(); });
+    fill(scene->mAnimations, scene->mNumAnimations, 0, 2, [&] { return animation(); });
     return scene;
   }
 
@@ -49,6 +50,7 @@ class SceneMaker {
   template <class T, class Make>
   void fill(T**& list, unsigned& count, unsigned least, unsigned most, const Make& make) {
     count = in.ConsumeIntegralInRange(least, most);
+    if (count == 0) return; // Assimp does not delete an empty list
     list = new T*[count];
     for (unsigned i = 0; i < count; ++i) list[i] = make();
   }
@@ -140,7 +142,72 @@ class SceneMaker {
       for (int k = 0; k < 3; ++k)
         m->mFaces[i].mIndices[k] = below(m->mNumVertices + (in.ConsumeBool() ? 0 : 1));
     }
+    fill(m->mBones, m->mNumBones, 0, 2, [&] { return bone(m->mNumVertices); });
+    fill(m->mAnimMeshes, m->mNumAnimMeshes, 0, 2, [&] { return morphTarget(m->mNumVertices); });
     return m;
+  }
+  aiBone* bone(unsigned vertexCount) {
+    auto* b = new aiBone;
+    b->mName = aiString(name());
+    b->mNumWeights = below(4);
+    b->mWeights = new aiVertexWeight[b->mNumWeights];
+    for (unsigned i = 0; i < b->mNumWeights; ++i) b->mWeights[i] = {below(vertexCount + 1), number()};
+    if (in.ConsumeBool()) b->mOffsetMatrix = matrix();
+    return b;
+  }
+  aiAnimMesh* morphTarget(unsigned vertexCount) {
+    auto* m = new aiAnimMesh;
+    m->mNumVertices = in.ConsumeBool() ? vertexCount : below(vertexCount + 1);
+    if (in.ConsumeBool()) m->mVertices = vectors(m->mNumVertices);
+    if (in.ConsumeBool()) m->mNormals = vectors(m->mNumVertices);
+    m->mWeight = number();
+    return m;
+  }
+
+  aiAnimation* animation() {
+    auto* a = new aiAnimation;
+    a->mName = aiString(name());
+    a->mDuration = double(number());
+    a->mTicksPerSecond = double(number());
+    fill(a->mChannels, a->mNumChannels, 0, 2, [&] { return nodeChannel(); });
+    fill(a->mMorphMeshChannels, a->mNumMorphMeshChannels, 0, 2, [&] { return morphChannel(); });
+    return a;
+  }
+  template <class Key, class Value> Key* keys(unsigned& count, const Value& value) {
+    count = below(4);
+    auto* list = new Key[count];
+    for (unsigned i = 0; i < count; ++i) {
+      list[i].mTime = double(number());
+      list[i].mValue = value();
+    }
+    return list;
+  }
+  aiNodeAnim* nodeChannel() {
+    auto* c = new aiNodeAnim;
+    c->mNodeName = aiString(name());
+    c->mPositionKeys = keys<aiVectorKey>(c->mNumPositionKeys, [&] { return vector(); });
+    c->mRotationKeys = keys<aiQuatKey>(c->mNumRotationKeys,
+                                       [&] { return aiQuaternion(number(), number(), number(), number()); });
+    c->mScalingKeys = keys<aiVectorKey>(c->mNumScalingKeys, [&] { return vector(); });
+    return c;
+  }
+  aiMeshMorphAnim* morphChannel() {
+    auto* c = new aiMeshMorphAnim;
+    c->mName = aiString(name());
+    c->mNumKeys = below(4);
+    c->mKeys = new aiMeshMorphKey[c->mNumKeys];
+    for (unsigned i = 0; i < c->mNumKeys; ++i) {
+      aiMeshMorphKey& key = c->mKeys[i];
+      key.mTime = double(number());
+      key.mNumValuesAndWeights = in.ConsumeIntegralInRange(1u, 4u);
+      key.mValues = new unsigned[key.mNumValuesAndWeights];
+      key.mWeights = new double[key.mNumValuesAndWeights];
+      for (unsigned k = 0; k < key.mNumValuesAndWeights; ++k) {
+        key.mValues[k] = below(5);
+        key.mWeights[k] = double(number());
+      }
+    }
+    return c;
   }
   aiVector3D* vectors(unsigned count) {
     auto* list = new aiVector3D[count];
@@ -148,11 +215,16 @@ class SceneMaker {
     return list;
   }
 
+  aiMatrix4x4 matrix() {
+    aiMatrix4x4 m;
+    for (unsigned row = 0; row < 3; ++row)
+      for (unsigned column = 0; column < 4; ++column) m[row][column] = number();
+    return m;
+  }
+
   aiNode* node(unsigned meshCount, int depth) {
     auto* n = new aiNode(name());
-    if (in.ConsumeBool())
-      for (unsigned row = 0; row < 3; ++row)
-        for (unsigned column = 0; column < 4; ++column) n->mTransformation[row][column] = number();
+    if (in.ConsumeBool()) n->mTransformation = matrix();
     if (meshCount > 0) {
       n->mNumMeshes = below(3);
       n->mMeshes = new unsigned[n->mNumMeshes];
@@ -191,17 +263,26 @@ class SceneMaker {
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  static const std::vector<ParameterSpec> SPECS = {stringParameter("filename", "", ""),
-                                                   booleanParameter("materials", "true", ""),
-                                                   booleanParameter("lights", "true", "")};
+  static const std::vector<ParameterSpec> SPECS = {
+      stringParameter("filename", "", ""), booleanParameter("materials", "true", ""),
+      booleanParameter("lights", "true", ""), realParameter("time", "", ""),
+      stringParameter("animation", "", "")};
   const std::unique_ptr<aiScene> scene = SceneMaker(data, size).make();
-  const ParsedDirective shape = parseParameterText("mesh", "\"string filename\" \"/nowhere/model.gltf\"");
+  static const GltfDetails DETAILS = {
+      {{{{"a", "rotation"}, GltfInterpolation::STEP}, {{"a", "weights"}, GltfInterpolation::STEP}}},
+      {{"a", {0.5, 2, -1}}},
+      false};
+  static constexpr const char* TIMES[] = {"", " \"float time\" 0.5", " \"float time\" -1",
+                                          " \"string animation\" \"a\" \"float time\" 2"};
+  const ParsedDirective shape = parseParameterText("mesh", "\"string filename\" \"/nowhere/model.gltf\"" +
+                                                               std::string(TIMES[size % std::size(TIMES)]));
   Diagnostics diagnostics;
   const Parameters p = bindParameters(shape, SPECS, diagnostics, false);
   SceneImport import;
   bool made = false;
   readAnything([&] {
-    importAssimpScene(*scene, "/nowhere/model.gltf", p, {"import1:", "import1/"}, import);
+    importAssimpScene(*scene, "/nowhere/model.gltf", p, {"import1:", "import1/"},
+                      size % 3 == 0 ? nullptr : &DETAILS, import);
     made = true;
   });
   if (made) checkImport(import);

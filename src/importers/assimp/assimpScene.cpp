@@ -4,24 +4,25 @@
 #include "importers/assimp/assimpScene.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
+#include <optional>
+#include <set>
 
 #include <assimp/scene.h>
 
 #include "importers/assimp/assimpMaterials.h"
+#include "importers/assimp/assimpPose.h"
+#include "importers/assimp/assimpVectors.h"
+#include "recurse/core/io/text.h"
 #include "recurse/core/math/affine.h"
 
 namespace recurse {
 
 namespace {
 
-Vec3d worldVector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-Mat4d matrixOf(const aiMatrix4x4& m) { // stored by rows in Assimp, by columns here
-  Mat4d out;
-  for (unsigned row = 0; row < 4; ++row)
-    for (unsigned column = 0; column < 4; ++column)
-      out[static_cast<int>(column)][static_cast<int>(row)] = m[row][column];
-  return out;
+bool isFloat(const Vec3d& v) { // false for NaN
+  return glm::all(glm::lessThanEqual(glm::abs(v), Vec3d(double(FLT_MAX))));
 }
 
 std::string counted(size_t count, const char* one, const char* many) {
@@ -31,16 +32,19 @@ std::string counted(size_t count, const char* one, const char* many) {
 class AssimpSceneImport {
  public:
   AssimpSceneImport(const aiScene& scene, const std::string& path, const Parameters& p,
-                    const ImportContext& context, SceneImport& import)
-      : scene(scene), p(p), import(import), out(import, context), path(path),
+                    const ImportContext& context, const GltfDetails* gltf, SceneImport& import)
+      : scene(scene), p(p), gltf(gltf), import(import), out(import, context), path(path),
         materials(scene, path, p, import, out), materialsWanted(p.boolean("materials")),
-        lightsWanted(p.boolean("lights")), isGltf(path.ends_with(".gltf") || path.ends_with(".glb")),
-        uses(scene.mNumMeshes), objects(scene.mNumMeshes) {}
+        lightsWanted(p.boolean("lights")), isGltfFile(isGltf(path)), uses(scene.mNumMeshes),
+        objects(scene.mNumMeshes) {}
 
   void run() {
     if (scene.mNumMeshes == 0) fail("it has no faces");
     countUses(*scene.mRootNode, 0);
-    addNode(*scene.mRootNode, axes());
+    chooseTime();
+    pose.emplace(scene, axes(), time, gltf);
+    addNode(*scene.mRootNode);
+    warnOfPose();
     if (triangles == 0) fail("no node uses its triangles");
     addLights();
     addCameras();
@@ -50,6 +54,35 @@ class AssimpSceneImport {
  private:
   [[noreturn]] void fail(const std::string& what) const {
     p.fail("filename", path + ": cannot be used: " + what);
+  }
+
+  // ---- animation
+
+  std::string nameOf(const aiAnimation& animation) const {
+    const std::string name = animation.mName.C_Str();
+    const auto* const number =
+        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation);
+    return name.empty() ? "animation " + std::to_string(number - scene.mAnimations + 1) : name;
+  }
+
+  /** Sets the animation and time that the parameters choose; none without them. */
+  void chooseTime() {
+    if (!wantsPose(p)) return;
+    time = AnimationTime{nullptr, p.has("time") ? p.real("time") : 0};
+    std::string names;
+    for (unsigned i = 0; i < scene.mNumAnimations && !time->animation; ++i) {
+      const std::string name = nameOf(*scene.mAnimations[i]);
+      if (!p.has("animation") || name == p.string("animation")) time->animation = scene.mAnimations[i];
+      names += (names.empty() ? "" : ", ") + sceneText(name);
+    }
+    if (!time->animation) reportMissingAnimation(p, path, names);
+  }
+
+  void warnOfPose() const {
+    for (const std::string& name : pose->ambiguousNames())
+      p.warn("time", path + ": several nodes that the pose needs are called " + sceneText(name));
+    for (const std::string& name : pose->bonesWithoutNode())
+      p.warn("time", path + ": the bone " + sceneText(name) + " has no node, and moves nothing");
   }
 
   // ---- geometry
@@ -92,25 +125,26 @@ class AssimpSceneImport {
     return glm::determinant(m) == 0 ? Mat4d(1) : m;
   }
 
-  void addNode(const aiNode& node, const Mat4d& parent) {
-    const Mat4d placement = parent * matrixOf(node.mTransformation);
-    places[node.mName.C_Str()] = placement;
-    for (unsigned i = 0; i < node.mNumMeshes; ++i) addMesh(node.mMeshes[i], placement, node.mName.C_Str());
-    for (unsigned i = 0; i < node.mNumChildren; ++i) addNode(*node.mChildren[i], placement);
+  void addNode(const aiNode& node) {
+    for (unsigned i = 0; i < node.mNumMeshes; ++i) addMesh(node.mMeshes[i], node);
+    for (unsigned i = 0; i < node.mNumChildren; ++i) addNode(*node.mChildren[i]);
   }
 
-  void addMesh(unsigned index, const Mat4d& placement, const std::string& nodeName) {
+  void addMesh(unsigned index, const aiNode& node) {
     const aiMesh& mesh = *scene.mMeshes[index];
     if (!(mesh.mPrimitiveTypes & aiPrimitiveType_TRIANGLE) || mesh.mNumFaces == 0) return;
+    // Nodes with the same skinned mesh would repeat it in the same place.
+    if (pose->isSkinned(mesh) && !skinned.insert(&mesh).second) return;
+    const Mat4d placement = pose->isSkinned(mesh) ? Mat4d(1) : pose->placement(node);
     if (!isFinite(placement) || !isInvertible(placement)) {
       ++flat;
       return;
     }
-    if (uses[index] > 1) { // a mesh with several placements is one object
+    if (uses[index] > 1 && !pose->isDeformed(mesh)) { // a mesh with several placements is one object
       std::string& object = objects[index];
       if (object.empty()) {
-        object = out.uniqueName(meshName(mesh, nodeName));
-        const std::string shape = shapeOf(mesh, Mat4d(1), nodeName);
+        object = out.uniqueName(meshName(mesh, node));
+        const std::string shape = shapeOf(mesh, Mat4d(1), node);
         out.line("ObjectBegin " + sceneText(object) + "\n" + shape + "ObjectEnd");
       }
       for (const Vec3d& v : corners(mesh)) import.bounds.add(transformPoint(placement, v));
@@ -120,20 +154,20 @@ class AssimpSceneImport {
       triangles += mesh.mNumFaces;
       return;
     }
-    const std::string shape = shapeOf(mesh, placement, nodeName);
+    const std::string shape = shapeOf(mesh, placement, node);
     out.line("AttributeBegin\nTransform " + sceneText(placement) + "\n" + shape + "AttributeEnd");
     triangles += mesh.mNumFaces;
   }
 
-  static std::string meshName(const aiMesh& mesh, const std::string& nodeName) {
-    const std::string name = mesh.mName.C_Str();
+  static std::string meshName(const aiMesh& mesh, const aiNode& node) {
+    const std::string name = mesh.mName.C_Str(), nodeName = node.mName.C_Str();
     return !name.empty() ? name : !nodeName.empty() ? nodeName : "mesh";
   }
 
   /** Corners of the bounding box of a mesh. */
   static std::vector<Vec3d> corners(const aiMesh& mesh) {
     Bounds3d box;
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) box.add(worldVector(mesh.mVertices[i]));
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) box.add(vectorOf(mesh.mVertices[i]));
     std::vector<Vec3d> points;
     for (int i = 0; i < 8; ++i)
       points.emplace_back(i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y,
@@ -142,7 +176,7 @@ class AssimpSceneImport {
   }
 
   /** Directives of a mesh with its material. */
-  std::string shapeOf(const aiMesh& mesh, const Mat4d& placement, const std::string& nodeName) {
+  std::string shapeOf(const aiMesh& mesh, const Mat4d& placement, const aiNode& node) {
     MeshData data;
     const unsigned uvChannel = materialsWanted && mesh.mMaterialIndex < scene.mNumMaterials
                                    ? materials.at(mesh.mMaterialIndex).uvChannel
@@ -151,25 +185,26 @@ class AssimpSceneImport {
         uvChannel < AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh.mTextureCoords[uvChannel] : nullptr;
     data.positions.reserve(mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      data.positions.push_back(worldVector(mesh.mVertices[i]));
-      const Vec3d& position = data.positions.back();
-      if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z))
-        fail("mesh \"" + meshName(mesh, nodeName) + "\": vertex " + std::to_string(i) + " is not finite");
-      if (mesh.HasNormals()) data.normals.push_back(worldVector(mesh.mNormals[i]));
+      data.positions.push_back(vectorOf(mesh.mVertices[i]));
+      if (mesh.HasNormals()) data.normals.push_back(vectorOf(mesh.mNormals[i]));
       if (uvs) data.uvs.emplace_back(finite(uvs[i].x), finite(uvs[i].y));
     }
+    pose->deform(mesh, node, data);
+    for (size_t i = 0; i < data.positions.size(); ++i)
+      if (!isFloat(data.positions[i]))
+        fail("mesh \"" + meshName(mesh, node) + "\": vertex " + std::to_string(i) + " is not finite");
     data.triangles.reserve(mesh.mNumFaces);
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
       if (face.mNumIndices != 3) continue;
       const glm::uvec3 t(face.mIndices[0], face.mIndices[1], face.mIndices[2]);
       if (std::max({t.x, t.y, t.z}) >= mesh.mNumVertices)
-        fail("mesh \"" + meshName(mesh, nodeName) + "\": face " + std::to_string(i) +
+        fail("mesh \"" + meshName(mesh, node) + "\": face " + std::to_string(i) +
              " names a vertex that does not exist");
       data.triangles.push_back(t);
     }
     if (mesh.mColors[0]) ++colouredMeshes;
-    if (mesh.mNumBones > 0) ++skinnedMeshes;
+    if (mesh.mNumBones > 0 && !pose->isSkinned(mesh)) ++unusedSkeletons;
     ++meshes;
     std::string before, parameters;
     if (materialsWanted && mesh.mMaterialIndex < scene.mNumMaterials) {
@@ -177,24 +212,19 @@ class AssimpSceneImport {
       before = m.directive + "\n" + m.areaLight;
       parameters = m.shapeParameters;
     }
-    return before + out.meshShape(meshName(mesh, nodeName), data, placement, parameters) + "\n";
+    return before + out.meshShape(meshName(mesh, node), data, placement, parameters) + "\n";
   }
 
   static double finite(float x) { return std::isfinite(x) ? double(x) : 0; }
 
   // ---- lights and cameras, in the space of the node of their name
 
-  Mat4d placeOf(const aiString& node) const {
-    const auto found = places.find(node.C_Str());
-    return found == places.end() ? Mat4d(1) : found->second;
-  }
-
   void addLights() {
     for (unsigned i = 0; lightsWanted && i < scene.mNumLights; ++i) {
       const aiLight& light = *scene.mLights[i];
-      const Mat4d place = placeOf(light.mName);
-      const Vec3d from = transformPoint(place, worldVector(light.mPosition));
-      const Vec3d direction = Mat3d(place) * worldVector(light.mDirection);
+      const Mat4d place = pose->placement(light.mName.C_Str());
+      const Vec3d from = transformPoint(place, vectorOf(light.mPosition));
+      const Vec3d direction = Mat3d(place) * vectorOf(light.mDirection);
       const Vec3d colour(colourOf(light.mColorDiffuse));
       if (!(maxComponent(Rgbd(colour)) > 0) ||
           !std::isfinite(glm::dot(colour, from) + glm::dot(direction, from))) {
@@ -206,17 +236,20 @@ class AssimpSceneImport {
       const std::string end =
           "[ " + sceneText(from + (directed ? glm::normalize(direction) : Vec3d(0, 0, -1))) + " ]";
       if (light.mType == aiLightSource_POINT) {
-        out.line("LightSource \"point\" \"rgb I\" " + value + " \"point3 from\" " + start);
+        out.line(
+            formatted(R"(LightSource "point" "rgb I" %s "point3 from" %s)", value.c_str(), start.c_str()));
       } else if (light.mType == aiLightSource_DIRECTIONAL) {
-        out.line("LightSource \"distant\" \"rgb L\" " + value + " \"point3 from\" " + start +
-                 " \"point3 to\" " + end);
+        out.line(formatted(R"(LightSource "distant" "rgb L" %s "point3 from" %s "point3 to" %s)",
+                           value.c_str(), start.c_str(), end.c_str()));
       } else if (light.mType == aiLightSource_SPOT) {
         // Cone angles of the scene are half of Assimp's.
         const double outer = std::clamp(glm::degrees(finite(light.mAngleOuterCone)) / 2, 0.5, 180.0);
         const double inner = std::clamp(glm::degrees(finite(light.mAngleInnerCone)) / 2, 0.0, outer);
-        out.line("LightSource \"spot\" \"rgb I\" " + value + " \"point3 from\" " + start + " \"point3 to\" " +
-                 end + " \"float coneangle\" " + sceneText(outer) + " \"float conedeltaangle\" " +
-                 sceneText(outer - inner));
+        out.line(
+            formatted(R"(LightSource "spot" "rgb I" %s "point3 from" %s "point3 to" %s "float coneangle" %s)"
+                      R"( "float conedeltaangle" %s)",
+                      value.c_str(), start.c_str(), end.c_str(), sceneText(outer).c_str(),
+                      sceneText(outer - inner).c_str()));
       } else {
         ++unknownLights;
         continue;
@@ -229,11 +262,12 @@ class AssimpSceneImport {
   void addCameras() {
     for (unsigned i = 0; i < scene.mNumCameras; ++i) {
       const aiCamera& camera = *scene.mCameras[i];
-      const Mat3d place(placeOf(camera.mName));
+      const Mat4d placement = pose->placement(camera.mName.C_Str());
+      const Mat3d place(placement);
       // Assimp 5.2 puts the translation of glTF's node into the camera once more.
-      const Vec3d offset = isGltf ? Vec3d(0) : worldVector(camera.mPosition);
-      const Vec3d eye = transformPoint(placeOf(camera.mName), offset);
-      const Vec3d forward = place * worldVector(camera.mLookAt), up = place * worldVector(camera.mUp);
+      const Vec3d offset = isGltfFile ? Vec3d(0) : vectorOf(camera.mPosition);
+      const Vec3d eye = transformPoint(placement, offset);
+      const Vec3d forward = place * vectorOf(camera.mLookAt), up = place * vectorOf(camera.mUp);
       const Vec3d right = glm::cross(forward, up); // right-handed, as Assimp's space is
       ImportedCamera made;
       made.name = camera.mName.length > 0 ? camera.mName.C_Str() : "camera " + std::to_string(i + 1);
@@ -264,8 +298,11 @@ class AssimpSceneImport {
     for (const ImportedCamera& camera : import.cameras) taken.push_back("camera \"" + camera.name + "\"");
     add(left, materialsWanted ? 0 : scene.mNumMaterials, "material", "materials");
     add(left, lightsWanted ? 0 : scene.mNumLights, "light", "lights");
-    add(left, scene.mNumAnimations, "animation", "animations");
-    add(left, skinnedMeshes, "mesh's bones", "meshes' bones");
+    const aiAnimation* played = time ? time->animation : nullptr;
+    if (played)
+      taken.push_back("animation " + sceneText(nameOf(*played)) + " at " + sceneText(time->seconds) + " s");
+    add(left, scene.mNumAnimations - (played ? 1 : 0), "animation", "animations");
+    add(left, unusedSkeletons, "mesh's bones", "meshes' bones");
     add(left, colouredMeshes, "mesh's vertex colours", "meshes' vertex colours");
     add(left, unknownLights, "light of an unsupported kind, or black",
         "lights of an unsupported kind, or black");
@@ -274,23 +311,35 @@ class AssimpSceneImport {
 
   const aiScene& scene;
   const Parameters& p;
+  const GltfDetails* const gltf;
   SceneImport& import;
   ImportWriter out;
   std::string path;
   AssimpMaterials materials;
-  bool materialsWanted, lightsWanted, isGltf;
-  std::vector<int> uses;               ///< number of nodes that show each mesh
-  std::vector<std::string> objects;    ///< object name of each mesh with several placements
-  std::map<std::string, Mat4d> places; ///< transforms of nodes, by name
+  bool materialsWanted, lightsWanted, isGltfFile;
+  std::vector<int> uses;            ///< number of nodes that show each mesh
+  std::vector<std::string> objects; ///< object name of each mesh with several placements
+  std::optional<AssimpPose> pose;
+  std::optional<AnimationTime> time; ///< none: the file's rest pose
+  std::set<const aiMesh*> skinned;   ///< meshes that bones have placed
   size_t meshes = 0, triangles = 0, instances = 0, lights = 0;
-  size_t unknownLights = 0, flat = 0, colouredMeshes = 0, skinnedMeshes = 0;
+  size_t unknownLights = 0, flat = 0, colouredMeshes = 0, unusedSkeletons = 0;
 };
 
 } // namespace
 
+bool wantsPose(const Parameters& p) { return p.has("time") || p.has("animation"); }
+
+void reportMissingAnimation(const Parameters& p, const std::string& path, const std::string& names) {
+  if (p.has("animation"))
+    p.fail("animation", path + " has no animation " + sceneText(p.string("animation")),
+           names.empty() ? "no animation at all" : names);
+  if (p.has("time")) p.warn("time", path + " has no animation; its pose is the same at all times");
+}
+
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
-                       const ImportContext& context, SceneImport& import) {
-  AssimpSceneImport(scene, path, p, context, import).run();
+                       const ImportContext& context, const GltfDetails* gltf, SceneImport& import) {
+  AssimpSceneImport(scene, path, p, context, gltf, import).run();
 }
 
 } // namespace recurse

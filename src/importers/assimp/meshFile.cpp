@@ -108,13 +108,39 @@ void importPly(const std::string& path, const Parameters& p, const ImportContext
                SceneImport& import) {
   try {
     const PlyFile ply = readPly(path);
+    reportMissingAnimation(p, path, "");
     ply.forWarnings([&](const std::string& what) { p.warn("filename", path + ": " + what); });
     ImportWriter out(import, context);
     out.line(out.meshShape(std::filesystem::path(path).stem().string(), ply.mesh, Mat4d(1)));
     import.filesRead = {path};
     import.taken = {std::to_string(ply.mesh.triangles.size()) + " triangles"};
+  } catch (const SceneError&) {
+    throw;
   } catch (const Error& e) {
     p.fail("filename", e.what());
+  }
+}
+
+/** Vertices that are equal may have different bones and morph targets: those of a pose are not joined. */
+unsigned postProcessing(const Parameters& p) {
+  const unsigned always = aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_ValidateDataStructure;
+  return wantsPose(p) ? always : always | aiProcess_JoinIdenticalVertices;
+}
+
+/** Details of a glTF file that a pose needs. */
+std::optional<GltfDetails> gltfDetails(const std::string& path, const Parameters& p) {
+  if (!wantsPose(p) || !isGltf(path)) return std::nullopt;
+  try {
+    GltfDetails details = readGltfDetails(path, readFileBytes(path));
+    if (details.hasIntegers)
+      p.fail("filename", path + ": cannot be used: its joint weights or keyframes are integers",
+             "floats, as exporters write them without compression");
+    if (details.hasSplines()) p.warn("time", path + ": its CUBICSPLINE keyframes are interpolated linearly");
+    return details;
+  } catch (const SceneError&) {
+    throw;
+  } catch (const Error& e) {
+    p.fail("filename", path + ": cannot be used: " + e.what());
   }
 }
 
@@ -140,8 +166,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   const aiScene* scene = nullptr;
   try {
     const FaultReport report(path);
-    scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType |
-                                        aiProcess_JoinIdenticalVertices | aiProcess_ValidateDataStructure);
+    scene = importer.ReadFile(path, postProcessing(p));
     if (*importer.GetErrorString()) why = importer.GetErrorString();
   } catch (const std::bad_alloc& e) {
     why = e.what();
@@ -150,7 +175,8 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   if (why == std::bad_alloc().what())
     why = "it needs more memory than a file of this size should: the file is damaged, or memory is short";
   if (!scene || !scene->mRootNode) p.fail("filename", path + ": cannot be used: " + why);
-  importAssimpScene(*scene, path, p, context, import);
+  const std::optional<GltfDetails> gltf = gltfDetails(path, p);
+  importAssimpScene(*scene, path, p, context, gltf ? &*gltf : nullptr, import);
 }
 
 } // namespace
@@ -164,6 +190,12 @@ void registerMeshFile(PlugIns& plugIns) {
                        booleanParameter("materials", "true",
                                         "use the file's materials; false: the current material of the scene"),
                        booleanParameter("lights", "true", "use the file's lights and emitting materials"),
+                       realParameter("time", "",
+                                     "time of the animation [seconds], limited to its keyframes; without "
+                                     "time and animation, the pose in which the file stores its meshes"),
+                       stringParameter("animation", "",
+                                       "name of the animation; by default the first one. Those without a "
+                                       "name are \"animation 1\", \"animation 2\" and so on"),
                        outsideParameter()},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {
