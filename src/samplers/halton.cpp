@@ -1,6 +1,7 @@
 /** @file
  * Halton sequence with Owen scrambling of its digits, independent for each pixel.
  */
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

@@ -1,6 +1,7 @@
 /** @file
  * Independent uniform random numbers.
  */
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

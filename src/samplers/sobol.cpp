@@ -1,6 +1,7 @@
 /** @file
  * Owen-scrambled Sobol' points, padded: a sequence of its own for each pair of dimensions and each pixel.
  */
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

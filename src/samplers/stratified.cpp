@@ -3,6 +3,7 @@
  * 1994), so that both pairs and single dimensions are stratified.
  */
 #include "recurse/core/sampling/permutation.h"
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

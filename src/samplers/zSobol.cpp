@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

@@ -9,6 +9,7 @@
 #include "apps/options/optionText.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/report/figures/figureDrawing.h"
 
 namespace recurse::apps {
 

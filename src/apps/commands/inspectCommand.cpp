@@ -10,6 +10,7 @@
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/pathclasses/pathExpression.h"
+#include "recurse/report/inspect/formFactors.h"
 #include "recurse/report/inspect/inspect.h"
 #include "recurse/report/stills/stills.h"
 #include "recurse/transport/integrator/sceneNames.h"

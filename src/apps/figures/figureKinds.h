@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "apps/options/renderOptions.h"
+#include "recurse/report/figures/figureDrawing.h"
 #include "recurse/report/figures/figures.h"
 
 namespace recurse::apps {

@@ -13,6 +13,7 @@
 #include "recurse/core/io/text.h"
 #include "recurse/pathclasses/classesReport.h"
 #include "recurse/pathclasses/pathEvent.h"
+#include "recurse/pathclasses/pathNames.h"
 
 namespace recurse {
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "recurse/core/io/error.h"
+#include "recurse/pathclasses/pathNames.h"
 
 namespace recurse {
 
