@@ -40,7 +40,7 @@ LAST = (
 HEAD = '''Film "rgb" "integer xresolution" %d "integer yresolution" %d "string filename" "materials.jpg"
 PixelFilter "gaussian"
 Sampler "independent" "integer pixelsamples" 96
-Integrator "photonmap" "integer passes" 0 "integer photons" 300000 "float radius" .1
+Integrator "photonmap" "integer passes" 0 "integer photons" 300000 "float radius" .2
 LookAt 3 -6.5 -20  3 -6.5 0  0 1 0
 Camera "orthographic" "float screenwindow" [ -3.5 3.5 -7 7 ]
 WorldBegin

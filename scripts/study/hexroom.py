@@ -2,7 +2,7 @@
 """Renders the table of a Monte Carlo course report again, and writes doc-files/results/hexroom.md and doc-files/results/hexroom.jpg.
 
 The hexagonal room with the five settings of the report: what it took then, what it takes here, and how much error is
-left. Takes a few minutes, and needs the machine for itself. The converged reference of all light is looked for in
+left. Takes a few minutes. The converged reference of all light is looked for in
 ../shared/reference; without it one is rendered, and the page says so. --reach: only the time that photonmap and path take
 to the error of the last row, as the page has it.
 """
@@ -30,10 +30,11 @@ table with the same parameters, by `--integrator path --maxdepth %(bounces)d --s
 
 ![The room, 50 samples per pixel and 3 shadow rays, reduced to 560x560](hexroom.jpg)
 
-| samples | shadow rays | then | here | times as fast | noise left | error left, all light | light that is there |
+| samples | shadow rays | then | here, processor | times as fast | noise left | error left, all light | light that is there |
 | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 %(rows)s
-- **here**: of the render alone, on %(threads)d threads, %(machine)s, at a load average of %(load).2f before.
+- **here**: processor time of the render alone, of its %(threads)d threads together, on %(machine)s, at a load average
+  of %(load).2f before.
 - **noise left**: relMSE against a converged picture with the same three bounces, that is what more samples would
   still take away: mean of (x−a)(x−b)/(r²+ε), ε = 0.01, no trim, where a and b are two independent pictures of
   %(noise)d samples and r is their mean. Their own noise does not count.
@@ -47,7 +48,9 @@ REACH = '''
 
 That row leaves an error of %(target).3g against all light, after 80 minutes then. Renders of the same
 room and size as that reference, each with twice the time limit of the one before, until they are as near; seconds of wall
-time and of the processor on %(threads)d threads, at a load average of %(load).2f before.
+time and of the processor, on %(threads)d threads, at a load average of %(load).2f before.
+Where the limit ends before the first photon map is ready, the picture is one sample of each pixel by path tracing: its error is
+high.
 
 | method | wall time | processor time | error left, all light |
 | --- | ---: | ---: | ---: |
@@ -102,7 +105,7 @@ def table(scene, size, references):
         study.render(scene, full, *size, *settings)
         all = study.compare(full, *references)
         rows += '| %d | %d | %d min | %.2f s | %.0f | %.3g | %.3g | %.4f |\n' % (
-            samples, shadowRays, minutes, stats['render_seconds'], minutes * 60 / stats['render_seconds'], left,
+            samples, shadowRays, minutes, stats['processor_seconds'], minutes * 60 / stats['processor_seconds'], left,
             all['relmse_noise_free'], all['mean_ratio'])
     subprocess.run(['oiiotool', '--nosoftwareattrib', shown, '--resize', '560x560', '--compression', 'jpeg:80', '-o',
                     study.ROOT / 'doc-files/results/hexroom.jpg'], check=True)

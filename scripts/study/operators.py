@@ -15,7 +15,7 @@ def main():
     study.build('openimageio-tools')
     if not picture:
         picture = study.temporary('picture.exr')
-        study.render(study.ROOT / 'scenes/cornell-glass.pbrt', picture, '--resolution', '300x300', '--spp', 16)
+        study.render(study.ROOT / 'scenes/cornell-glass.pbrt', picture, '--resolution', '300x300', '--spp', 64)
     sheet = study.temporary('sheet.png')
     study.recurse('develop', picture, '--sheet', '-o', sheet)
     subprocess.run(['oiiotool', '--nosoftwareattrib', sheet, '--compression', 'jpeg:80', '-o', study.ROOT / 'doc-files/operators.jpg'],
