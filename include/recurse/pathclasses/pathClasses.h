@@ -18,17 +18,17 @@ namespace recurse {
 
 class PathAutomaton;
 
-/** A set of film layers, one bit each: at most 64 classes at once. */
+/** Set of path classes, bit i for classes()[i]: at most 64. The layers of addFrames() have no bits. */
 using LayerMask = uint64_t;
 
-/** State of a light-side walk that has read "L" and the events since. Only PathClasses makes it. */
+/** State of a light-side walk that has read "L" and the events since: 0 to lightStateCount() - 1. */
 class LightState {
  public:
   explicit constexpr LightState(uint8_t byte = 0) : byte(byte) {} ///< as stored in a photon
   uint8_t byte;
 };
 
-/** State of a camera-side walk that has read the path from E backwards. Only PathClasses makes it. */
+/** State of a camera-side walk that has read the path from E backwards: 0 to cameraStateCount() - 1. */
 class CameraState {
  public:
   explicit constexpr CameraState(uint16_t index = 0) : index(index) {}
@@ -43,8 +43,8 @@ class SurfaceKind {
 };
 
 /**
- * Several path expressions compiled together. The default is the single class of all paths, whose walks cost
- * next to nothing.
+ * Several path expressions compiled together. The default is the single class of all paths, whose walks take
+ * negligible time.
  */
 class PathClasses {
  public:
@@ -102,8 +102,8 @@ class PathClasses {
   bool dead(LightState s) const { return lightDead[s.byte] != 0; }
   /** True when no light path completes the word of the camera walk: the camera path may end. */
   bool dead(CameraState s) const { return cameraDead[s.index] != 0; }
-  /** Whether some class contains a path from a light that reaches the last vertex of the camera walk at once,
-   * and with `throughPanes` also by any number of S events between. */
+  /** Whether some class contains a path from a light that reaches the last vertex of the camera walk without
+   * an event between, or with `throughPanes` by any number of S events. */
   bool isLit(CameraState s, bool throughPanes) const {
     return (cameraLit[s.index] & (throughPanes ? LIT_THROUGH_PANES : LIT)) != 0;
   }

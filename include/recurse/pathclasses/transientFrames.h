@@ -24,7 +24,7 @@ class TransientFrames {
   size_t frameCount() const { return count; }
   /** Number of layers: the frames, one before and one after them; 0 without frames. */
   size_t layerCount() const { return empty() ? 0 : count + 2; }
-  /** Layer of a path: 0 before the first frame, then the frames, then the last one. Requires frames. */
+  /** Layer by the optical length [scene units]: 0 before the frames, 1 to frameCount(), one after them. */
   size_t layerOf(float length) const {
     const float place = (length - begin) * perLength;
     if (!(place >= 0)) return 0;

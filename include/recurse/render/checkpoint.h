@@ -14,7 +14,7 @@
 
 namespace recurse {
 
-/** Value of `identity` for samples that are not adaptive. */
+/** Value of the identity "samples go" for samples that are not adaptive. */
 inline const std::string ALL_ALIKE = "to all pixels alike";
 
 struct Checkpoint {
@@ -35,7 +35,7 @@ struct Checkpoint {
   std::optional<SampleAllocation> allocation; ///< adaptive samples of a single part
 
   /** Reads a checkpoint. Throws Error naming the file: not readable, not a checkpoint, of a different
-   * version, damaged. A film too large for the file (see the error) is not allocated. */
+   * version, damaged. Allocates the film only if the file has the size that its header states. */
   static Checkpoint read(const std::string& fileName);
 };
 

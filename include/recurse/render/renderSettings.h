@@ -16,7 +16,8 @@
 
 namespace recurse {
 
-/** State reported to the progress display, about ten times a second, from one thread at a time. */
+/** State reported to the progress display, at most ten times a second and at the end, from one thread at a
+ * time. */
 struct RenderProgress {
   std::string phase;       ///< "photons", "picture"
   double fraction = 0;     ///< of the phase, in [0, 1]
@@ -34,7 +35,7 @@ struct RenderStatistics {
   double learningProcessorSeconds = 0; ///< part of processorSeconds before the first photon map or sample
   double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps; the rest: camera paths
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
-         gatherSeconds = 0; ///< gather: the backward part
+         gatherSeconds = 0; ///< [s]; gather: all time without photons and balancing
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   size_t mapBytes = 0;
   uint64_t splatsSaturated = 0; ///< contributions too large for the splat plane, which lost light

@@ -41,9 +41,9 @@ class WorkQueue {
   int64_t nextSample() const { return units.front().firstSample; }
 
   /**
-   * Takes a unit for one of `workers` processes, of about `size` or less: whole passes where there are many,
-   * since their photons serve all tiles; otherwise samples and tiles. Units become small towards the end, so
-   * that all processes end at the same time.
+   * Takes a unit for one of `workers` processes, of about `size`: whole passes where there are many, which
+   * may be longer, since their photons serve all tiles; otherwise samples and tiles. Empty: no work is left.
+   * Units become small towards the end, so that all processes end at the same time.
    */
   std::optional<WorkUnit> take(double size, int workers);
   /** Approximate size of the smallest unit that take() would return. */

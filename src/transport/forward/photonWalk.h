@@ -106,11 +106,7 @@ class PhotonWalk {
     if (isBlack(photon.flux)) return MediumEvent::ENDED;
     if (!c.scatters) return MediumEvent::NONE;
     if (settings.causticsOnly) return MediumEvent::ENDED;
-    if (photon.depth == settings.maxDepth) {
-      counts.truncatedThroughput += double(maxComponent(photon.flux));
-      return MediumEvent::ENDED;
-    }
-    if (classes.dead(after)) return MediumEvent::ENDED;
+    if (photon.depth == settings.maxDepth || classes.dead(after)) return MediumEvent::ENDED;
     photon.optical.travel(c.t);
     const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
@@ -230,10 +226,7 @@ class PhotonWalk {
   void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
     while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
-      if (photon.depth == settings.maxDepth) {
-        counts.truncatedThroughput += double(maxComponent(photon.flux));
-        return;
-      }
+      if (photon.depth == settings.maxDepth) return;
       Arrival at = arrive(photon, hit, *bsdf);
       const bool keepsPhotons = at.scattering.keepsPhotons();
       const bool isStored =

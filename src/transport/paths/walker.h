@@ -118,7 +118,8 @@ template <class State> class Walker {
  private:
   bool endsByDepth(Path& path) const {
     if (path.depth == maxDepth) {
-      counts.truncatedThroughput += double(maxComponent(path.throughput));
+      if (TRANSPORT == Transport::RADIANCE)
+        counts.truncatedThroughput += double(maxComponent(path.throughput));
       return true;
     }
     ++path.depth;

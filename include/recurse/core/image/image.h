@@ -38,8 +38,9 @@ struct Image {
 /** `picture` with the channels and metadata of `more`, an image of the same size, after its own. */
 Image withChannels(const Image& picture, const Image& more);
 
-/** Indices of R, G and B among a file's channels, followed by all remaining channels; a single channel counts
- * as all three. Throws Error naming the file when it has neither R, G, B nor a single channel. */
+/** Indices of R, G and B, else of those of the first layer NAME.R, NAME.G, NAME.B, else three times of the
+ * only channel besides alpha; then of all other channels. Throws Error naming the file when it has none of
+ * these. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
@@ -47,8 +48,8 @@ float linearFromSrgb(float encoded);
 /** sRGB encoding of linear light: the inverse of linearFromSrgb(). */
 float srgbFromLinear(float linear);
 
-/** Reads any format that OpenImageIO supports; 8- and 16-bit sRGB pictures become linear. Throws Error naming
- * the file and the reason. */
+/** Reads any format that OpenImageIO supports; integers are decoded from sRGB, except alpha and files
+ * declared linear. Throws Error naming the file and the reason. */
 Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {

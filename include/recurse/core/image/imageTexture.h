@@ -37,15 +37,16 @@ struct ImageTextureSettings {
   bool levels = true; ///< false: always the finest level
 };
 
-/** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it holds pixels as
- * files store them, which go to a temporary file beyond that; half holds decoded tiles in use. Defaults: no
- * limit for the former, and 1 GiB of tiles. */
+/** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it, at least
+ * 16 MiB, holds decoded tiles in use; half holds the pixels of files and their coarser levels, and what
+ * exceeds it goes to temporary files. Defaults: 1 GiB of tiles, and no limit for the pixels. */
 void setTextureMemory(double bytes);
 
 /** Memory that the pixels of all textures take now: in memory, and in temporary files [bytes]. */
 std::pair<size_t, size_t> textureMemory();
 
-/** Pixels of a file, decoded to linear light when they are used. Textures of the same file share them. */
+/** Pixels of a file, decoded to linear light when they are used. Textures of equal file, channels and
+ * encoding share them. */
 class ImageTexture {
  public:
   /** Reads the whole file. Throws Error naming the file and the reason: missing, broken, not finite, no

@@ -8,10 +8,10 @@
 namespace recurse {
 
 /** Lock of a file against other processes: a file beside it whose name ends in ".lock", which is removed with
- * the lock. A process that is killed leaves no lock behind. */
+ * the lock. A process that is killed leaves that file, but no lock. */
 class FileLock {
  public:
-  /** Throws Error where a different process has the lock, or no lock can be had. */
+  /** Throws Error where another FileLock has the lock, or no lock can be had. */
   explicit FileLock(const std::string& fileName);
   ~FileLock();
   FileLock(const FileLock&) = delete;

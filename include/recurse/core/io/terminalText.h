@@ -12,7 +12,7 @@ namespace recurse {
  * terminal commands. */
 std::string terminalText(const std::string& text);
 
-/** True where the text has a control character, a line end or a tab. */
+/** True where the text has a control character, a line end, a tab, or a byte that is not UTF-8. */
 bool hasControlCharacters(const std::string& text);
 
 } // namespace recurse

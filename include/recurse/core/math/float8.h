@@ -1,6 +1,6 @@
 /** @file
- * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other file
- * of the renderer depends on the processor.
+ * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other code
+ * depends on the processor, except the check when a program starts.
  */
 #pragma once
 

@@ -1,5 +1,5 @@
 /** @file
- * Work on all threads that can be abandoned midway: learning and photon passes, which are optional.
+ * Work on all threads that can end early: reading and building scenes, learning, photons, camera paths.
  */
 #pragma once
 

@@ -26,7 +26,7 @@ template <class T> class LargeArray {
   T& operator[](size_t i) const { return room.get()[i]; }
   size_t bytes() const { return capacity * sizeof(T); }
   size_t size() const { return capacity; }
-  /** Makes room for n objects. The present content is kept only if `keep`. */
+  /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. */
   void reserve(size_t n, bool keep = false);
 
  private:

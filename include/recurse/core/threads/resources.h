@@ -12,10 +12,11 @@ namespace recurse {
 void setMemoryLimit(double bytes);
 
 /** Memory that the process can still take [bytes]: the remainder of setMemoryLimit(), else the memory free
- * without swapping; within the limits of control group and shell; infinite where none is known. */
+ * without swapping; at most the limits of control group and shell; infinite where none is known. */
 double availableMemory();
 
-/** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. */
+/** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. Not for up to
+ * 64 MiB. */
 void requireMemory(const std::string& subject, double bytes);
 
 /** Sets the work that a scene may take, as predicted for one core [s]. Initially unlimited. */
@@ -48,7 +49,7 @@ class MemoryCap {
   ~MemoryCap();
   MemoryCap(const MemoryCap&) = delete;
   MemoryCap& operator=(const MemoryCap&) = delete;
-  /** Raises the cap [bytes]. */
+  /** Raises the cap by `bytes`. */
   void raise(double bytes);
 
  private:

@@ -1,8 +1,8 @@
 /** @file
  * Scattering at a surface point: the single place that converts the local functions of a BSDF plug-in for the
- * forward and the backward pass. It alone applies the 1/η² scaling of radiance at refraction, the correction
- * for shading normals in the forward pass (Veach 1997, equation 5.19), and the test for light leaks through
- * the geometric surface.
+ * forward and the backward pass. It alone applies the 1/η² scaling of radiance at delta refraction, the
+ * correction for shading normals in the forward pass (Veach 1997, equation 5.19), and the test for light
+ * leaks through the geometric surface.
  */
 #pragma once
 
@@ -86,7 +86,7 @@ class ScatteringPoint {
     return cosI > 0 ? bsdf.eta() : 1 / bsdf.eta();
   }
 
-  /** Density of wo in scatter() by non-delta lobes [1/sr], for the same allowed lobes. */
+  /** Density of wo in scatter() of radiance [1/sr]; `allowed` includes the non-delta lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
     if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);
     const Vec3f local = frame.toLocal(wi);
@@ -108,7 +108,7 @@ class ScatteringPoint {
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
-  /** Samples one of the allowed lobes, in proportion to their albedos, and a step. Empty: absorbed. */
+  /** Samples an allowed lobe by albedo, and a step; `allowed`: both delta lobes or none. Empty: absorbed. */
   std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
                                  LobeSet allowed = ALL_LOBES) const {
     allowed &= lobeSet;

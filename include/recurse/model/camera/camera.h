@@ -29,8 +29,8 @@ struct WiSample {
    * of a pixel, is 1. It equals width · height · pdfPosition · pdfDirection / cosine of pdfWe(). */
   float importance;
   /** Density of `direction` [1/sr]; for a pinhole, its limit for a lens of unit area. Only importance / pdf
-   * matters: the factor of radiance that leaves the point in `direction` over the density per solid angle,
-   * and of flux arriving at the point times BSDF times cosine. */
+   * matters: times the flux that arrives at the point, the BSDF and the cosine for `direction`, it is the
+   * contribution to the pixel. */
   float pdf;
 };
 
@@ -52,7 +52,7 @@ std::vector<ParameterSpec> cameraParameters();
 
 class Camera {
  public:
-  /** Throws SceneError where the shutter does not open. */
+  /** Throws SceneError unless the shutter closes after it opens. */
   Camera(const Parameters& p, const CameraContext& c);
   virtual ~Camera() = default;
   /** Samples a ray. Its radiance times its weight, averaged over a pixel's samples, is the value of the

@@ -31,8 +31,8 @@ template <class Change> void changeColours(Image& picture, const Change& change)
   }
 }
 
-/** Colour scaled to luminance y. Where a channel would exceed 1, the colour is desaturated instead, keeping y
- * while it is below 1. */
+/** Colour scaled to luminance y. Where a channel would exceed 1, the colour is moved towards the grey y until
+ * its largest channel is 1; for y >= 1 it is that grey. */
 inline Rgb withLuminance(const Rgb& colour, float y) {
   const float before = luminance(colour);
   if (!(before > 0)) return BLACK;

@@ -49,7 +49,7 @@ struct LePdf {
 
 /** Emission sample: start of a photon. */
 struct LeSample : LeRay { ///< the origin is already offset from an emitting surface
-  Rgb radiance; ///< along the ray; POINT: intensity [W/sr]; DISTANT: irradiance at perpendicular incidence
+  Rgb radiance; ///< along the ray [W/(m² sr)]; POINT: intensity [W/sr]; DISTANT: irradiance across it [W/m²]
   float pdfPosition = 1;  ///< LePdf::position, but 1 for a delta
   float pdfDirection = 1; ///< LePdf::direction, but 1 for a delta
   /** radiance · cosine / (pdfPosition · pdfDirection) with common factors cancelled; the cosine only for
@@ -71,7 +71,7 @@ struct LiSample {
   Vec3f direction;    ///< unit, towards the light
   Vec3f target;       ///< point on the light to be tested for visibility; the lit point for infinite lights
   float distance = 0; ///< to the target [scene units]; infinite for distant and environment lights
-  Rgb radiance;       ///< incident radiance; for a delta light the irradiance at perpendicular incidence
+  Rgb radiance;       ///< incident radiance [W/(m² sr)]; of a delta light: irradiance across the ray [W/m²]
   float pdf = 0;      ///< density [1/sr]; 1 for a delta light
   bool delta = false; ///< a delta direction, which BSDF sampling cannot find
   Vec3f normal{0};    ///< normal of the surface at the target, on either side; zero for other lights
@@ -112,7 +112,7 @@ class Light {
   /** LeSample::radiance for a different unit direction from the same point, on the same side of a surface. By
    * default constant over the directions of nonzero density for area lights, which may override it. */
   virtual Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const;
-  /** Light sample at a point for the backward pass, without a visibility test. Empty: none. */
+  /** Light sample at a point by numbers in [0, 1), without a visibility test. Empty: none. */
   virtual std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const = 0;
   /** Light sample at a time (Ray::time), for lights that move. */
   virtual std::optional<LiSample> sampleLiAt(float /*time*/, const Vec3f& point, float pick,
@@ -140,7 +140,7 @@ class AreaLight : public Light {
   }
   /** False where alpha is the constant 0: as in pbrt, such a light emits as usual, but no ray hits it. */
   bool isIntersectable() const override { return !unseen; }
-  /** Density of this point in sampleLi(from) [1/sr]. */
+  /** Density in sampleLi(from) of the direction to this point of `primitive` [1/sr]. */
   virtual float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
     return shapeOfLight.pdfDirection(from, primitive, point);
   }

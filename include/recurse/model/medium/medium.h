@@ -47,8 +47,8 @@ class MajorantGrid {
 
 /** Interval of a ray with a majorant: a bound of the extinction that holds everywhere in it. */
 struct MajorantSegment {
-  float begin = 0, end = 0;
-  Rgb majorant{0}; ///< [1/length]
+  float begin = 0, end = 0; ///< [scene units]
+  Rgb majorant{0};          ///< [1/length]
 };
 
 /** Majorant segments of a ray in order: one in a homogeneous medium, else one for each non-empty cell. */
@@ -61,7 +61,7 @@ class MajorantSegments {
   MajorantSegments(const MajorantGrid& grid, const Rgb& extinction, const Vec3f& origin,
                    const Vec3f& direction, float end);
 
-  bool next(MajorantSegment& segment);
+  bool next(MajorantSegment& segment); ///< sets the next segment; false at the end
 
  private:
   MajorantSegment whole;

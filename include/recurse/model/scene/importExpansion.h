@@ -20,7 +20,8 @@ void attachFiles(SceneDescription& scene, const std::shared_ptr<const MemoryFile
 
 /** True where a Shape directive names an importer. */
 bool hasImports(const SceneDescription& scene);
-/** Replaces Shape directives that name importers by the imported parts of a scene. */
+/** Replaces Shape directives that name importers by the imported parts of a scene; errors go to the
+ * diagnostics. */
 void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient,
                    KeptParts* kept = nullptr);
 

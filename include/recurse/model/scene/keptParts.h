@@ -40,7 +40,7 @@ template <class Key, class Part> class KeptByKey {
 
 /**
  * Parts kept from one frame to the next: shapes (with meshes read, subdivided, displaced) of equal parameters
- * and transform that name neither textures nor objects, trees of objects whose shapes are all kept, media,
+ * and transform without textures, objects or opacity, trees of objects whose shapes are all kept, media,
  * and models read from files. Only one scene at a time can be rendered with the kept parts.
  */
 class KeptParts {

@@ -78,7 +78,7 @@ std::string plyBytes(const MeshData& mesh);
 /** Bytes of a file. Throws Error with the reason. */
 std::string readFileBytes(const std::string& path);
 /** File that a model refers to as `name`: at this path from `directory`, else in it by the last component of
- * the path; ignoring case, and with percent escapes decoded. Empty where there is none. */
+ * the path, whose case is ignored; with percent escapes decoded. Empty where there is none. */
 std::string findModelFile(const std::string& directory, const std::string& name);
 
 } // namespace recurse

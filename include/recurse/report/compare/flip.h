@@ -18,9 +18,9 @@ constexpr double FLIP_PIXELS_PER_DEGREE = 3840 * 3.14159265358979323846 / 180;
 /** Error of each pixel, row by row, and their mean; from 0, not visible, to 1. */
 struct Flip {
   int width = 0, height = 0;
-  std::vector<float> errors; ///< empty where a pixel of either picture is not finite
+  std::vector<float> errors; ///< empty if any pixel of either picture is not finite
   double mean = 0;           ///< NaN if `errors` is empty
-  /** Exposures of HDR-FLIP, from the shortest to the longest [stops]. */
+  /** Exposures of HDR-FLIP, from the shortest to the longest [stops]; empty: LDR-FLIP. */
   std::vector<double> exposures;
 };
 
@@ -31,8 +31,9 @@ Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree 
 /**
  * HDR-FLIP: maximum LDR-FLIP of each pixel over a range of exposures with the ACES tone curve. The first
  * exposure maps the reference's largest luminance to 0.85, the last one its median; there is an exposure for
- * each stop of this range, rounded up, and at least two. Negative values count as zero. Where the median is
- * zero, which the paper does not treat, the median of the positive luminances is used.
+ * each stop of this range, rounded up, and at least two; 0 for a black reference. Negative values count as
+ * zero. Where the median is zero, which the paper does not treat, the median of the positive luminances is
+ * used.
  */
 Flip hdrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 

@@ -79,7 +79,7 @@ struct ConvergeRun {
 struct ConvergeCell {
   std::string run, budget;
   uint64_t seed = 0;
-  double seconds = 0, samplesPerPixel = 0, photons = 0;
+  double seconds = 0, samplesPerPixel = 0, photons = 0; ///< seconds: time of the render [s]
   double mse = 0, relMse = 0, relMseTrimmed = 0;
   double mseNoiseFree = 0, relMseNoiseFree = 0; ///< NaN without independent references
   double meanRatio = 0;
@@ -120,7 +120,7 @@ Study readStudy(const std::string& fileName);
 struct ConvergePoint {
   std::string run, budget;
   size_t seeds = 0;
-  ConvergeCell mean;                ///< mean of the seeds' costs and errors
+  ConvergeCell mean;                ///< mean of the seeds; nonFinite: sum
   double smallest = 0, largest = 0; ///< range of the seeds' errors in the plot
   std::optional<ErrorSplit> split;  ///< for at least two seeds
 };
@@ -133,7 +133,7 @@ struct PowerLaw {
   double exponent = 0, factor = 0;
   double standardError = 0; ///< of the exponent; NaN with two points
 };
-/** Least-squares fit of the logarithms; empty with less than two points above zero. */
+/** Least-squares fit of the logarithms; empty with less than two points above zero, or nearly equal times. */
 std::optional<PowerLaw> fitPowerLaw(const Curve& curve);
 
 /** Time at which a curve reaches an error. */

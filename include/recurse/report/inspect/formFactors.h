@@ -16,7 +16,7 @@ struct FormFactorHits {
   uint32_t patch = 0, rays = 0;
 };
 
-/** Form factors from one side of a patch to all other patches; those that are not listed are 0. */
+/** Form factors from one side of a patch to all patches; those that are not listed are 0. */
 struct FormFactors {
   size_t side = 0;                  ///< 0: outer
   std::vector<FormFactorHits> hits; ///< by increasing patch
@@ -25,7 +25,7 @@ struct FormFactors {
 /**
  * Estimates the form factors of all patches by rays with the density of the cosine from points that are
  * uniform in the surface's coordinates: on flat faces, in area as well. The form factor from i to j is the
- * fraction of rays from i that hit j first. Of each patch, the side that receives more light is taken. The
+ * fraction of rays from i that hit j first. Of each patch, the side with more RadiosityPatch::received. The
  * standard error of a form factor F is sqrt(F (1 - F) / rays). Without rays, only the sides are set.
  */
 std::vector<FormFactors> formFactors(const Scene& scene, const Integrator& integrator,

@@ -52,7 +52,7 @@ struct ClassFinding {
 /** One rectangle of the reference's picture. */
 struct MarkedRegion {
   int x = 0, y = 0, width = 0, height = 0; ///< [pixels]
-  double usedFraction = 0;                 ///< fraction of its pixels that are finite and not clipped
+  double usedFraction = 0;                 ///< fraction of its cells without clipped pixels, NaN or infinity
   double unexplained = 0; ///< relative root mean square error not explained by factors of classes
   std::vector<ClassFinding> classes;
 };
@@ -83,7 +83,7 @@ struct Marking {
   std::vector<ClassMark> classes;
   std::vector<ClassConfusion> confusions;
   std::vector<MarkedRegion> regions;
-  double clippedFraction = 0;     ///< fraction of the pixels that are white in a display format
+  double clippedFraction = 0;     ///< fraction of the pixels with a clipped channel, in a display format
   double unexplainedFraction = 0; ///< fraction of the picture: regions with more than MARKED_RESIDUAL
   Image picture; ///< R, G, B with the change and the exposure undone; NaN: no pixel of the picture
 
@@ -102,12 +102,12 @@ Marking markExercise(const Image& picture, const Stills& reference);
 
 /** Statement about one error of a picture. */
 struct MarkingStatement {
-  std::string what;   ///< "LS+DE (caustic) is missing, in 92 % of the picture that shows it"
+  std::string what;   ///< "LS+DE (caustic) is missing, in 92 % of the picture where it is visible"
   std::string advice; ///< meaning, and what to do
   double certainty = 1;
   int shownClass = -1; ///< class whose map shows the error; -1: none
 };
-/** All errors, worst first; empty where there are none. */
+/** All errors: of the picture, of the exposure, of classes (largest first), unexplained; empty: none. */
 std::vector<MarkingStatement> markingStatements(const Marking& marking);
 
 /** Statements and a table of the classes, for a terminal. */

@@ -26,13 +26,13 @@ struct StillsPlan {
 };
 
 /** Plans the classes. Throws Error (BAD_USAGE) for names that are invalid for layers and files, for
- * expressions that do not compile, and for too many classes. `names`: of the scene; null: any name is
+ * expressions that do not compile; PathClasses throws for too many. `names`: of the scene; null: any name is
  * allowed. */
 StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names = nullptr);
 
 /** Classes by light: the paths from each lamp, or with classes those of each class from each lamp. The lamps
  * of least power share the layer `other-lights` where there would be too many. Throws Error (BAD_USAGE) for a
- * scene without lamps. */
+ * scene without lamps, or too many classes. */
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes = {});
 

@@ -11,7 +11,7 @@
 
 namespace recurse {
 
-/** Table of the directives, and table of the options, in Markdown. */
+/** Tables of the directives and of the parameters of Option, Animate and LightScale, in Markdown. */
 std::string directiveReference();
 /** For each plug-in a heading, its summary, and a table of its parameters, in Markdown. */
 std::string plugInReference(const std::vector<const PlugInInfo*>& plugIns);

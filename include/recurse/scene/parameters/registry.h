@@ -64,8 +64,8 @@ template <class I, class Context> class Registry {
   }
 
   /**
-   * Checks the parameters and makes the plug-in. Returns null when the name is unknown or there is any error;
-   * the diagnostics describe it.
+   * Checks the parameters and makes the plug-in. Returns null for an unknown name, wrong parameters or a
+   * SceneError of the maker, which the diagnostics describe. Passes other exceptions of the maker on.
    */
   std::unique_ptr<I> make(const ParsedDirective& directive, const Context& context, Diagnostics& diagnostics,
                           bool lenient = false) const;

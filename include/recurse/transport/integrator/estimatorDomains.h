@@ -40,9 +40,9 @@ struct DomainReport {
  * estimator for an expression that does not compile. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
 
-/** Expression of the paths from delta lights that no estimator finds, except straight through thin panes;
- * empty where all are found. Delta lights are not visible, neither directly nor in mirrors: LS*E contains no
- * light from them. */
+/** Expression of the paths from delta lights that no estimator finds, or one such path; without those
+ * straight through thin panes and in media; empty where all are found. Delta lights are not visible, neither
+ * directly nor in mirrors: LS*E contains no light from them. */
 std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators);
 
 /** Table of the estimators for a terminal, with a line for each. */

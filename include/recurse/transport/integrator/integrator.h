@@ -35,8 +35,8 @@ struct Pass {
   float time = 0; ///< Ray::time of its photons and, where Integrator::passHasOneTime(), of its camera rays
 };
 
-/** Kernel radii of density estimates over the footprint of a pixel at the same point, at the first non-delta
- * vertices of camera paths. */
+/** Ratios of the kernel radius of a density estimate to the footprint (width) of the pixel there, at the
+ * first non-delta vertices of camera paths. */
 struct KernelRadii {
   static constexpr size_t BINS = 8;
   /** Number of estimates by ratio: below 1, then [2^(i-1), 2^i), the last bin without upper limit. */
@@ -61,9 +61,9 @@ struct KernelRadii {
 
 /** Counters of a render, kept for each thread and then added. */
 struct TransportCounts {
-  uint64_t rays = 0;              ///< intersection and occlusion queries
-  uint64_t boundaryRays = 0;      ///< number of these that searched for the ends of surfaces, see gathers
-  uint64_t nonFinite = 0;         ///< contributions dropped because they were not finite; must be 0
+  uint64_t rays = 0;         ///< intersection and occlusion queries
+  uint64_t boundaryRays = 0; ///< number of these that searched for the boundary of a surface within a kernel
+  uint64_t nonFinite = 0;    ///< contributions dropped because they were not finite; must be 0
   double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over camera paths
   uint64_t gathers = 0;           ///< density estimates
   uint64_t photonsFound = 0;      ///< over all gathers
@@ -181,8 +181,8 @@ class PathRadiance {
 
 /** Statistics of a forward pass. */
 struct ForwardStatistics {
-  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
-  double shootSeconds = 0, balanceSeconds = 0;
+  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0; ///< refused: not finite, or too large
+  double shootSeconds = 0, balanceSeconds = 0;                        ///< [s]
   double learningSeconds = 0; ///< processor time of work that is done once for all passes [s]
   size_t mapBytes = 0;
   TransportCounts counts;

@@ -72,7 +72,7 @@ class RecordedLightPath {
   explicit RecordedLightPath(std::vector<RecordedLightVertex>& list) : list(&list) {}
 
   explicit operator bool() const { return list != nullptr; }
-  /** Adds a vertex behind the last one. `event`: the event there. */
+  /** Adds a vertex behind the last one. `event`: see RecordedLightVertex::event. */
   void add(LightVertexKind kind, PathEvent event, const Vec3f& position, const Rgb& flux, LightState state,
            bool stored = false) {
     if (!list) [[likely]]
