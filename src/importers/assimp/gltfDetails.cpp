@@ -16,6 +16,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int FLOAT_COMPONENTS = 5126;
+constexpr const char* INTEGERS_ARE_MISREAD =
+    " has integers, which Assimp 5.2 takes for floats; export it without compression";
 
 const Json ABSENT;
 
@@ -120,8 +122,7 @@ class DetailReader {
       strays.erase(channel);
       made.channels[channel] = interpolation;
       if (made.misread.empty() && (hasIntegers(input) || hasIntegers(output)))
-        made.misread =
-            samplerPlace + " has integers, which Assimp 5.2 takes for floats; export it without compression";
+        made.misread = samplerPlace + INTEGERS_ARE_MISREAD;
     }
     for (const auto& [channel, strayPlace] : strays)
       if (made.misread.empty() && (channel.second != "translation" || made.channels.contains(channel)))
@@ -165,11 +166,11 @@ class DetailReader {
     const Json& primitives = elements(member(mesh, "primitives"));
     for (size_t i = 0; i < primitives.size(); ++i) {
       const Json& attributes = member(primitives[i], "attributes");
-      for (const auto& [name, index] : attributes.items())
-        if (name.starts_with("WEIGHTS_") && hasIntegers(index) && details.misreadWeights.empty())
-          details.misreadWeights =
-              placeIn(place + ".primitives", i) + ".attributes." + name +
-              " has integers, which Assimp 5.2 takes for floats; export it without compression";
+      for (const auto& [name, index] : attributes.items()) {
+        if (!name.starts_with("WEIGHTS_") || !hasIntegers(index) || !details.misreadWeights.empty()) continue;
+        details.misreadWeights = placeIn(place + ".primitives", i) + ".attributes.";
+        details.misreadWeights += name + INTEGERS_ARE_MISREAD;
+      }
     }
   }
 
