@@ -260,6 +260,18 @@ class SceneMaker {
   FuzzedDataProvider in;
 };
 
+/** Steps, static weights and nodes without rotation, for names of SceneMaker. */
+GltfDetails gltfDetails() {
+  GltfDetails details;
+  details.animations.resize(1);
+  details.animations[0].channels = {{{"a", "rotation"}, GltfInterpolation::STEP},
+                                    {{"a", "weights"}, GltfInterpolation::STEP},
+                                    {{"", "translation"}, GltfInterpolation::LINEAR}};
+  details.nodeWeights = {{"a", {0.5, 2, -1}}};
+  details.unrotatedNodes = {""};
+  return details;
+}
+
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -268,10 +280,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       booleanParameter("lights", "true", ""), realParameter("time", "", ""),
       stringParameter("animation", "", "")};
   const std::unique_ptr<aiScene> scene = SceneMaker(data, size).make();
-  static const GltfDetails DETAILS = {
-      {{{{"a", "rotation"}, GltfInterpolation::STEP}, {{"a", "weights"}, GltfInterpolation::STEP}}},
-      {{"a", {0.5, 2, -1}}},
-      false};
+  static const GltfDetails DETAILS = gltfDetails();
   static constexpr const char* TIMES[] = {"", " \"float time\" 0.5", " \"float time\" -1",
                                           " \"string animation\" \"a\" \"float time\" 2"};
   const ParsedDirective shape = parseParameterText("mesh", "\"string filename\" \"/nowhere/model.gltf\"" +

@@ -43,12 +43,12 @@ void checkImport(const SceneImport& import) {
 }
 
 void importAnything(const char* importer, const char* parameter, const std::string& extension,
-                    const std::string& bytes) {
+                    const std::string& bytes, const std::string& more) {
   const std::string name = scratchFile(extension);
   std::ofstream(name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   Diagnostics diagnostics;
   const auto import = plugIns().imports.make(
-      parseParameterText(importer, "\"string " + std::string(parameter) + "\" \"" + name + "\""),
+      parseParameterText(importer, "\"string " + std::string(parameter) + "\" \"" + name + "\" " + more),
       {"import1:", "import1/"}, diagnostics);
   std::filesystem::remove(name);
   if (!import) {

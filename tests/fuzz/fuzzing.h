@@ -38,8 +38,8 @@ struct SceneImport;
 void checkImport(const SceneImport& import);
 
 /** Writes a file, imports it by the importer of that name, and checks that it has become a scene or that an
- * error says why not. */
+ * error says why not. `more`: further parameters. */
 void importAnything(const char* importer, const char* parameter, const std::string& extension,
-                    const std::string& bytes);
+                    const std::string& bytes, const std::string& more = {});
 
 } // namespace recurse

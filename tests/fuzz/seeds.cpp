@@ -10,6 +10,7 @@
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 
+#include "gltfFile.h"
 #include "model/gameFileTesting.h"
 
 namespace {
@@ -50,10 +51,27 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
+/** A triangle that a joint holds and steps move. */
+std::string movingModel() {
+  GltfFile f;
+  f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  f.bytes("VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0});
+  f.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  f.floats("MAT4", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+  f.floats("SCALAR", {0, 2});
+  f.floats("VEC3", {0, 0, 0, 3, 0, 0});
+  return f.text(
+      R"("scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"skin":0,"weights":[0.5]},{"name":"joint"}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":1,"WEIGHTS_0":2},"targets":[{"POSITION":0}]}]}],)"
+      R"("skins":[{"joints":[1],"inverseBindMatrices":3}],"animations":[{"channels":[{"sampler":0,)"
+      R"("target":{"node":1,"path":"translation"}}],"samplers":[{"interpolation":"STEP","input":4,"output":5}]}])");
+}
+
 /** A cube in each kind that Assimp writes, each with the first byte that chooses the kind. */
 void writeModels(const std::filesystem::path& folder) {
   write(folder / "obj", char(0) + CUBE);
   write(folder / "off", char(7) + std::string("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+  write(folder / "moving", char(9) + movingModel());
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFileFromMemory(CUBE.data(), CUBE.size(), aiProcess_Triangulate, "obj");
   Assimp::Exporter exporter;

@@ -156,6 +156,51 @@ std::string morphingTriangle(bool isAnimated, const std::string& interpolation =
   return f.text(members);
 }
 
+/** Keyframes of a property of a node, as an animation's members. */
+std::string channelMembers(int node, const std::string& property, int times, int values,
+                           const std::string& interpolation = "LINEAR") {
+  return R"("channels":[{"sampler":0,"target":{"node":)" + indexText(node) + R"(,"path":")" + property +
+         R"("}}],"samplers":[{"interpolation":")" + interpolation + R"(","input":)" + indexText(times) +
+         R"(,"output":)" + indexText(values) + "}]";
+}
+
+/** A triangle in the node "n". `node`: further members of the node; `animations`: JSON of animations. */
+std::string triangleInNode(GltfFile& f, const std::string& node, const std::string& animations) {
+  const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  return f.text(R"("scenes":[{"nodes":[0]}],"nodes":[{"name":"n","mesh":0)" + node +
+                R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":)" + indexText(positions) +
+                R"(}}]}],"animations":[)" + animations + "]");
+}
+
+/** A triangle in the node "skinned", which follows the joint "a"; the second joint is "b". `joint` and
+ * `other`: further members of the nodes "a" and "other". The two skins have `matrices` inverse bind matrices.
+ * `hasTwoSets`: the vertices have a second set of weights, of integers. */
+std::string skinnedTriangle(int matrices, const std::string& joint = {}, const std::string& other = {},
+                            bool hasTwoSets = false) {
+  GltfFile f;
+  const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}),
+            normals = f.floats("VEC3", {0.6F, 0, 0.8F, 0.6F, 0, 0.8F, 0.6F, 0, 0.8F}),
+            joints = f.bytes("VEC4", {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}),
+            weights = f.floats("VEC4", {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  std::string sets = R"("JOINTS_0":)" + indexText(joints) + R"(,"WEIGHTS_0":)" + indexText(weights);
+  if (hasTwoSets)
+    sets += R"(,"JOINTS_1":)" + indexText(joints) + R"(,"WEIGHTS_1":)" +
+            indexText(f.bytes("VEC4", {255, 0, 0, 0, 255, 0, 0, 0, 255, 0, 0, 0}));
+  std::string binds;
+  if (matrices > 0) {
+    std::vector<float> values;
+    for (int i = 0; i < matrices; ++i)
+      values.insert(values.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1});
+    binds = R"(,"inverseBindMatrices":)" + indexText(f.floats("MAT4", values));
+  }
+  return f.text(
+      R"("scenes":[{"nodes":[0,1,2,3]}],"nodes":[{"name":"skinned","mesh":0,"skin":0},{"name":"a")" + joint +
+      R"(},{"name":"b"},{"name":"other")" + other +
+      R"(}],"meshes":[{"name":"flag","primitives":[{"attributes":{"POSITION":)" + indexText(positions) +
+      R"(,"NORMAL":)" + indexText(normals) + "," + sets + R"(}}]}],"skins":[{"joints":[1,2])" + binds +
+      R"(},{"joints":[2,1])" + binds + "}]");
+}
+
 std::vector<Vec3d> morphedTriangle(double first, double second) {
   return {{4 * second, 0, first}, {1 + 4 * second, 0, 2 * first}, {4 * second, 1, 3 * first}};
 }
@@ -342,15 +387,200 @@ TEST_F(MeshPose, WeightsOfANodeReplaceThoseOfItsMesh) {
 }
 
 TEST_F(MeshPose, IntegersThatAssimpMisreadsAreErrors) {
+  write("m.gltf", skinnedTriangle(2, "", "", true));
+  poseAt(0, "", true);
+  EXPECT_NE(
+      messages.find("m.gltf: cannot be used: meshes[0].primitives[0].attributes.WEIGHTS_1 has integers"),
+      std::string::npos)
+      << messages;
+  EXPECT_EQ(messages.find("accepted:"), std::string::npos) << messages;
+  pose(""); // without a pose they do not matter
+  EXPECT_EQ(messages, "");
   std::string text = bendingStrip();
   const std::string weights = R"({"bufferView":4,"componentType":5126)";
   ASSERT_NE(text.find(weights), std::string::npos);
   write("m.gltf",
         text.replace(text.find(weights), weights.size(), R"({"bufferView":4,"componentType":5121)"));
   poseAt(0, "", true);
-  EXPECT_NE(messages.find("m.gltf: cannot be used: its joint weights or keyframes are integers"),
+  EXPECT_NE(messages.find("meshes[0].primitives[0].attributes.WEIGHTS_0 has integers"), std::string::npos)
+      << messages;
+}
+
+TEST_F(MeshPose, OnlyTheAnimationThatIsPlayedIsJudged) {
+  GltfFile f;
+  const int times = f.floats("SCALAR", {0, 1}), places = f.floats("VEC3", {0, 0, 0, 4, 0, 0}),
+            integers = f.bytes("VEC4", {0, 0, 0, 127, 0, 0, 127, 0}),
+            tangents = f.floats("VEC3", {0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 6, 0, 0, 0, 0, 0});
+  write("m.gltf",
+        triangleInNode(f, "",
+                       R"({"name":"plain",)" + channelMembers(0, "translation", times, places) +
+                           R"(},{"name":"packed",)" + channelMembers(0, "rotation", times, integers) +
+                           R"(},{"name":"curved",)" +
+                           channelMembers(0, "translation", times, tangents, "CUBICSPLINE") + "}"));
+  const auto cornerOf = [&](const char* name) {
+    return vertices(poseAt(0.5, std::string("\"string animation\" \"") + name + "\"").shapes.at(0)).at(0);
+  };
+  expectNear(cornerOf("plain"), {2, 0, 0}, "the mean of 0 and 4");
+  EXPECT_EQ(messages, "");
+  expectNear(cornerOf("curved"), {4, 0, 0}, "the mean of 2 and 6");
+  EXPECT_NE(messages.find("animation \"curved\": its CUBICSPLINE keyframes are interpolated linearly"),
             std::string::npos)
       << messages;
+  poseAt(0.5, "\"string animation\" \"packed\"", true);
+  EXPECT_NE(messages.find("cannot be used: animation \"packed\": animations[1].samplers[0] has integers"),
+            std::string::npos)
+      << messages;
+}
+
+TEST_F(MeshPose, MirroredNodesStayMirrored) {
+  GltfFile f;
+  const int times = f.floats("SCALAR", {0, 1}), places = f.floats("VEC3", {0, 0, 0, 4, 0, 0});
+  const std::string slide = "{" + channelMembers(0, "translation", times, places) + "}";
+  write("m.gltf", triangleInNode(f, R"(,"scale":[-1,1,1])", slide));
+  expectNear(vertices(poseAt(0.5).shapes.at(0)), {{2, 0, 0}, {1, 0, 0}, {2, 1, 0}}, "no rotation");
+  write("m.gltf", triangleInNode(f, R"(,"scale":[-1,1,1],"rotation":[0,0,0.70710678,0.70710678])", slide));
+  expectNear(vertices(poseAt(0.5).shapes.at(0)), {{2, 0, 0}, {2, -1, 0}, {1, 0, 0}}, "turned by 90 degrees");
+}
+
+TEST_F(MeshPose, FramesAtTimesOfStepsShowThem) {
+  GltfFile f;
+  std::vector<float> times, places;
+  for (int k = 0; k < 49; ++k) {
+    times.push_back(static_cast<float>(k / 24.0));
+    places.insert(places.end(), {static_cast<float>(k), 0, 0});
+  }
+  const int timesAt = f.floats("SCALAR", times), placesAt = f.floats("VEC3", places);
+  write("m.gltf",
+        triangleInNode(f, "", "{" + channelMembers(0, "translation", timesAt, placesAt, "STEP") + "}"));
+  for (int k = 0; k < 49; ++k) EXPECT_EQ(vertices(poseAt(k / 24.0).shapes.at(0)).at(0).x, k) << "frame " << k;
+}
+
+TEST_F(MeshPose, RotationsTakeTheShortestWay) {
+  GltfFile f;
+  const int times = f.floats("SCALAR", {0, 1}), // the second keyframe is the negative of a turn by 90 degrees
+      turns = f.floats("VEC4", {0, 0, 0, 1, 0, 0, -HALF_SQRT2, -HALF_SQRT2});
+  write("m.gltf", triangleInNode(f, "", "{" + channelMembers(0, "rotation", times, turns) + "}"));
+  for (const double time : {0.25, 0.5, 1.0})
+    expectNear(vertices(poseAt(time).shapes.at(0)).at(1), turnedAboutZ({1, 0, 0}, RIGHT_ANGLE * time),
+               "time " + recurse::sceneText(time));
+}
+
+TEST_F(MeshPose, MirroringBonesKeepTheFrontOfTriangles) {
+  for (const double side : {1.0, -1.0}) {
+    write("m.gltf", skinnedTriangle(2, R"(,"scale":[)" + recurse::sceneText(2 * side) + ",1,1]"));
+    const SceneDescription scene = poseAt(0);
+    const MeshData mesh = meshOf(scene.shapes.at(0));
+    expectNear(mesh.positions, {{0, 0, 0}, {2 * side, 0, 0}, {0, 1, 0}}, "positions");
+    // The inverse transpose divides x by 2 and -2.
+    ASSERT_EQ(mesh.normals.size(), 3U);
+    for (const Vec3d& n : mesh.normals) expectNear(n, glm::normalize(Vec3d(0.3 * side, 0, 0.8)), "normal");
+    const glm::uvec3 t = mesh.triangles.at(0);
+    const Vec3d front =
+        glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+    expectNear(front, {0, 0, 2}, "front");
+  }
+}
+
+TEST_F(MeshPose, SkinsNeedAnInverseBindMatrixForEachJoint) {
+  for (const int matrices : {0, 1}) {
+    write("m.gltf", skinnedTriangle(matrices));
+    for (const char* parameters : {"", "\"float time\" 1"}) {
+      pose(parameters, true);
+      EXPECT_NE(messages.find("m.gltf: cannot be used: skins[0] has no inverse bind matrix for each joint"),
+                std::string::npos)
+          << messages;
+    }
+  }
+  write("m.gltf", skinnedTriangle(2));
+  pose("");
+  EXPECT_EQ(messages, "");
+}
+
+TEST_F(MeshPose, SplinesNeedThreeValuesForEachKeyframe) {
+  GltfFile f;
+  const int times = f.floats("SCALAR", {0, 1, 2}), places = f.floats("VEC3", std::vector<float>(8 * 3, 1));
+  write("m.gltf",
+        triangleInNode(f, "", "{" + channelMembers(0, "translation", times, places, "CUBICSPLINE") + "}"));
+  for (const char* parameters : {"", "\"float time\" 1"}) {
+    pose(parameters, true);
+    EXPECT_NE(messages.find("m.gltf: cannot be used: animations[0].samplers[0] has fewer"), std::string::npos)
+        << messages;
+  }
+}
+
+TEST_F(MeshPose, NodesThatShareAMeshWithDifferentSkinsAreAWarning) {
+  const std::string expected = "nodes show the mesh \"flag\" with different skins or without";
+  for (const char* other : {R"(,"mesh":0,"skin":1)", R"(,"mesh":0)"}) {
+    write("m.gltf", skinnedTriangle(2, "", other));
+    poseAt(0);
+    EXPECT_NE(messages.find(expected), std::string::npos) << messages;
+    pose("");
+    EXPECT_EQ(messages, "");
+  }
+  write("m.gltf", skinnedTriangle(2, "", R"(,"mesh":0,"skin":0)"));
+  poseAt(0);
+  EXPECT_EQ(messages.find(expected), std::string::npos) << messages;
+}
+
+TEST_F(MeshPose, ExtensionsOfFilesHaveAnyCase) {
+  write("m.GLTF", movingTriangle("STEP"));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.GLTF\" \"float time\" 0.9");
+  expectNear(transformPoint(scene.instances.at(0).worldFromInstance, {1, 1, 0}), {1, 11, 0},
+             "the first keyframe");
+}
+
+TEST_F(MeshPose, ChannelsWithoutANodeMoveNothing) {
+  GltfFile f;
+  const int times = f.floats("SCALAR", {0, 1}), places = f.floats("VEC3", {1, 1, 1, 7, 2, 1});
+  const std::string samplers = R"("samplers":[{"input":)" + indexText(times) + R"(,"output":)" +
+                               indexText(places) + "}]",
+                    pointer =
+                        R"({"sampler":0,"target":{"path":"pointer","extensions":{"KHR_animation_pointer":)"
+                        R"({"pointer":"/materials/0/emissiveFactor"}}}})",
+                    growth = R"({"sampler":0,"target":{"node":0,"path":"scale"}})",
+                    slide = R"({"sampler":0,"target":{"node":0,"path":"translation"}})";
+  const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
+  const auto writeChannels = [&](const std::string& channels) {
+    write("m.gltf", f.text(R"("scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"translation":[3,0,0]}],)"
+                           R"("meshes":[{"primitives":[{"attributes":{"POSITION":)" +
+                           indexText(positions) + R"(}}]}],"animations":[{"channels":[)" + channels + "]," +
+                           samplers + "}]"));
+  };
+  writeChannels(pointer);
+  expectNear(vertices(poseAt(1).shapes.at(0)), {{3, 0, 0}, {4, 0, 0}, {3, 1, 0}}, "the file's translation");
+  writeChannels(growth + "," + pointer);
+  expectNear(vertices(poseAt(1).shapes.at(0)), {{3, 0, 0}, {10, 0, 0}, {3, 2, 0}}, "only larger");
+  writeChannels(pointer + "," + slide);
+  expectNear(vertices(poseAt(1).shapes.at(0)).at(0), {7, 2, 1}, "the last channel counts");
+  writeChannels(slide + "," + pointer);
+  poseAt(1, "", true);
+  EXPECT_NE(messages.find("animations[0].channels[1] has no node or an unknown property"), std::string::npos)
+      << messages;
+}
+
+TEST_F(MeshPose, JsonThatIsNotValidIsAnErrorOfPoses) {
+  write("m.gltf", "{\"asset\":{\"version\":\"2.0\"},\n \"nodes\":[,]}");
+  poseAt(1, "", true);
+  EXPECT_TRUE(messages.starts_with("test.pbrt:2:")) << messages;
+  EXPECT_NE(messages.find("m.gltf: cannot be used: its JSON is not valid: parse error at line 2, column 11"),
+            std::string::npos)
+      << messages;
+  std::string text = movingTriangle(); // a name in Latin 1, which Assimp accepts
+  text.replace(text.find("\"arm\""), 5, "\"arm\xe9\"");
+  write("m.gltf", text);
+  poseAt(1, "", true);
+  EXPECT_NE(messages.find("its JSON is not valid"), std::string::npos) << messages;
+  EXPECT_EQ(pose("").instances.size(), 2U);
+}
+
+TEST_F(MeshPose, SkeletonsAloneAreNoMesh) {
+  write("m.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
+version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset><library_visual_scenes><visual_scene id="vs">
+<node id="low" sid="low" name="low" type="JOINT"><node id="up" sid="up" name="up" type="JOINT">
+<translate sid="t">0 1 0</translate></node></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#vs"/></scene></COLLADA>)");
+  load("Shape \"mesh\" \"string filename\" \"m.dae\"", true);
+  EXPECT_NE(messages.find("m.dae: cannot be used: it has no faces"), std::string::npos) << messages;
 }
 
 TEST_F(MeshPose, TicksOfTheFileAreItsUnitOfTime) {
@@ -380,7 +610,9 @@ TEST_F(MeshPose, UnknownAnimationsAreErrorsThatNameTheKnownOnes) {
   EXPECT_NE(messages.find("\"wave\", \"animation 2\""), std::string::npos) << messages;
   write("m.gltf", morphingTriangle(false));
   pose("\"string animation\" \"walk\" \"float time\" 1", true);
-  EXPECT_NE(messages.find("no animation at all"), std::string::npos) << messages;
+  EXPECT_NE(messages.find("m.gltf has no animation \"walk\": it has none at all"), std::string::npos)
+      << messages;
+  EXPECT_EQ(messages.find("accepted:"), std::string::npos) << messages;
   write("m.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                  "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
                  "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");

@@ -93,7 +93,8 @@ AssimpPose::AssimpPose(const aiScene& scene, const Mat4d& world, const std::opti
     : scene(scene), isPosed(time.has_value()), gltf(gltf) {
   if (time && time->animation) {
     const aiAnimation& animation = *time->animation;
-    ticks = ticksOf(*time);
+    // Assimp's keyframes of glTF have these roundings.
+    ticks = gltf ? double(static_cast<float>(time->seconds) * 1000.F) : ticksOf(*time);
     animationIndex = static_cast<size_t>(
         std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation) -
         scene.mAnimations);
@@ -113,30 +114,44 @@ void AssimpPose::place(const aiNode& node, const Mat4d& parent) {
   for (unsigned i = 0; i < node.mNumChildren; ++i) place(*node.mChildren[i], placement);
 }
 
+const GltfAnimation* AssimpPose::gltfAnimation() const {
+  return gltf && animationIndex < gltf->animations.size() ? &gltf->animations[animationIndex] : nullptr;
+}
+
 bool AssimpPose::isStep(const std::string& node, const char* property) const {
-  if (!gltf || animationIndex >= gltf->animations.size()) return false;
-  const auto& interpolations = gltf->animations[animationIndex];
-  const auto found = interpolations.find({node, property});
-  return found != interpolations.end() && found->second == GltfInterpolation::STEP;
+  const GltfAnimation* animation = gltfAnimation();
+  if (!animation) return false;
+  const auto found = animation->channels.find({node, property});
+  return found != animation->channels.end() && found->second == GltfInterpolation::STEP;
+}
+
+bool AssimpPose::isStatic(const std::string& node, const char* property) const {
+  const GltfAnimation* animation = gltfAnimation();
+  return animation && !animation->channels.contains({node, property});
 }
 
 Mat4d AssimpPose::localTransform(const aiNode& node) const {
   const std::string name = node.mName.C_Str();
   const auto found = channels.find(name);
-  if (found == channels.end()) return matrixOf(node.mTransformation);
+  const GltfAnimation* details = gltfAnimation();
+  if (found == channels.end() || (details && !details->moves(name))) return matrixOf(node.mTransformation);
   const aiNodeAnim& channel = *found->second;
-  // The file's values are those of components without keys.
+  // Components without keys have those of the node's matrix. Assimp does the same, and takes a mirrored
+  // matrix for a rotation with three negative scales.
   aiVectorKey position, scale;
   aiQuatKey rotation;
   node.mTransformation.Decompose(scale.mValue, rotation.mValue, position.mValue);
   const auto at = [&](const auto* keys, unsigned count, const auto& otherwise, const char* property) {
     return count > 0 ? valueAt(keys, count, ticks, isStep(name, property)) : keyValue(otherwise);
   };
+  const bool isUnrotated = isStatic(name, "rotation") && gltf->unrotatedNodes.contains(name);
   const Mat3d turn =
-      glm::mat3_cast(at(channel.mRotationKeys, channel.mNumRotationKeys, rotation, "rotation"));
+      isUnrotated ? Mat3d(1)
+                  : glm::mat3_cast(at(channel.mRotationKeys, channel.mNumRotationKeys, rotation, "rotation"));
   const Vec3d size = at(channel.mScalingKeys, channel.mNumScalingKeys, scale, "scale");
+  const unsigned positionKeys = isStatic(name, "translation") ? 0 : channel.mNumPositionKeys;
   Mat4d local(Mat3d(turn[0] * size.x, turn[1] * size.y, turn[2] * size.z));
-  local[3] = Vec4d(at(channel.mPositionKeys, channel.mNumPositionKeys, position, "translation"), 1);
+  local[3] = Vec4d(at(channel.mPositionKeys, positionKeys, position, "translation"), 1);
   return local;
 }
 
@@ -161,7 +176,9 @@ std::vector<double> AssimpPose::morphWeights(const aiMesh& mesh, const aiNode& n
   const unsigned count = mesh.mNumAnimMeshes;
   const std::string name = node.mName.C_Str();
   std::vector<double> weights(count, 0);
-  if (gltf) { // Assimp 5.2 has ones in place of the static weights of FBX and COLLADA
+  // Assimp 5.2 reads neither the morph targets of COLLADA nor the static weights of FBX, where channels of
+  // one shape have ones.
+  if (gltf) {
     for (unsigned i = 0; i < count; ++i) weights[i] = double(mesh.mAnimMeshes[i]->mWeight);
     const auto ofNode = gltf->nodeWeights.find(name);
     if (ofNode != gltf->nodeWeights.end())
@@ -197,10 +214,11 @@ void AssimpPose::morph(const aiMesh& mesh, const aiNode& node, MeshData& data) c
 }
 
 /** Linear-blend skinning: the transform of a vertex is the mean of its bones' placements, each after the
- * inverse bind matrix. The weights are divided by their sum. */
+ * inverse bind matrix. The weights are divided by their sum. Triangles that it mirrors keep their front. */
 void AssimpPose::skin(const aiMesh& mesh, const aiNode& node, MeshData& data) {
   std::vector<Mat4d> blends(mesh.mNumVertices, Mat4d(0));
   std::vector<double> sums(mesh.mNumVertices, 0);
+  std::vector<bool> mirrored(mesh.mNumVertices);
   for (unsigned b = 0; b < mesh.mNumBones; ++b) {
     const aiBone& bone = *mesh.mBones[b];
     const auto found = byName.find(bone.mName.C_Str());
@@ -218,10 +236,13 @@ void AssimpPose::skin(const aiMesh& mesh, const aiNode& node, MeshData& data) {
   }
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
     const Mat4d blend = sums[i] > 0 ? blends[i] / sums[i] : placement(node);
+    mirrored[i] = glm::determinant(Mat3d(blend)) < 0;
     data.positions[i] = transformPoint(blend, data.positions[i]);
     if (data.normals.empty()) continue;
     data.normals[i] = unitVector(normalMatrix(Mat3d(blend)) * data.normals[i], data.normals[i]);
   }
+  for (glm::uvec3& triangle : data.triangles)
+    if (mirrored[triangle.x]) std::swap(triangle.y, triangle.z);
 }
 
 std::vector<std::string> AssimpPose::ambiguousNames() const {

@@ -44,7 +44,7 @@ class AssimpPose {
   bool isSkinned(const aiMesh& mesh) const;
   bool isDeformed(const aiMesh& mesh) const;
   /** Applies morph targets, then bones, to the vertices and normals of a mesh. Vertices without bone weights
-   * follow the node. */
+   * follow the node. Needs the triangles too. */
   void deform(const aiMesh& mesh, const aiNode& node, MeshData& data);
 
   /** Bones without a node, whose weights count for nothing. */
@@ -55,7 +55,11 @@ class AssimpPose {
  private:
   void place(const aiNode& node, const Mat4d& parent);
   Mat4d localTransform(const aiNode& node) const;
+  /** Details of the animation; null where there are none. */
+  const GltfAnimation* gltfAnimation() const;
   bool isStep(const std::string& node, const char* property) const;
+  /** Whether Assimp has the static value of a property in place of keyframes. */
+  bool isStatic(const std::string& node, const char* property) const;
   std::vector<double> morphWeights(const aiMesh& mesh, const aiNode& node) const;
   void morph(const aiMesh& mesh, const aiNode& node, MeshData& data) const;
   void skin(const aiMesh& mesh, const aiNode& node, MeshData& data);

@@ -76,6 +76,24 @@ class AssimpSceneImport {
       names += (names.empty() ? "" : ", ") + sceneText(name);
     }
     if (!time->animation) reportMissingAnimation(p, path, names);
+    if (gltf) checkDetails();
+  }
+
+  void checkDetails() const {
+    if (!gltf->misreadWeights.empty()) fail(gltf->misreadWeights);
+    for (const std::string& mesh : gltf->meshesOfSeveralSkins)
+      p.warn("time", path + ": nodes show the mesh " + sceneText(mesh) +
+                         " with different skins or without; Assimp 5.2 reads one of them, and the other "
+                         "nodes are left out");
+    const auto index = static_cast<size_t>(
+        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, time->animation) -
+        scene.mAnimations);
+    if (!time->animation || index >= gltf->animations.size()) return;
+    const std::string name = "animation " + sceneText(nameOf(*time->animation));
+    const GltfAnimation& animation = gltf->animations[index];
+    if (!animation.misread.empty()) fail(name + ": " + animation.misread);
+    if (animation.hasSplines())
+      p.warn("time", path + ": " + name + ": its CUBICSPLINE keyframes are interpolated linearly");
   }
 
   void warnOfPose() const {
@@ -189,10 +207,6 @@ class AssimpSceneImport {
       if (mesh.HasNormals()) data.normals.push_back(vectorOf(mesh.mNormals[i]));
       if (uvs) data.uvs.emplace_back(finite(uvs[i].x), finite(uvs[i].y));
     }
-    pose->deform(mesh, node, data);
-    for (size_t i = 0; i < data.positions.size(); ++i)
-      if (!isFloat(data.positions[i]))
-        fail("mesh \"" + meshName(mesh, node) + "\": vertex " + std::to_string(i) + " is not finite");
     data.triangles.reserve(mesh.mNumFaces);
     for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
       const aiFace& face = mesh.mFaces[i];
@@ -203,6 +217,10 @@ class AssimpSceneImport {
              " names a vertex that does not exist");
       data.triangles.push_back(t);
     }
+    pose->deform(mesh, node, data);
+    for (size_t i = 0; i < data.positions.size(); ++i)
+      if (!isFloat(data.positions[i]))
+        fail("mesh \"" + meshName(mesh, node) + "\": vertex " + std::to_string(i) + " is not finite");
     if (mesh.mColors[0]) ++colouredMeshes;
     if (mesh.mNumBones > 0 && !pose->isSkinned(mesh)) ++unusedSkeletons;
     ++meshes;
@@ -332,8 +350,10 @@ bool wantsPose(const Parameters& p) { return p.has("time") || p.has("animation")
 
 void reportMissingAnimation(const Parameters& p, const std::string& path, const std::string& names) {
   if (p.has("animation"))
-    p.fail("animation", path + " has no animation " + sceneText(p.string("animation")),
-           names.empty() ? "no animation at all" : names);
+    p.fail("animation",
+           path + " has no animation " + sceneText(p.string("animation")) +
+               (names.empty() ? ": it has none at all" : ""),
+           names);
   if (p.has("time")) p.warn("time", path + " has no animation; its pose is the same at all times");
 }
 

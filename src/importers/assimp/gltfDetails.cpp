@@ -1,5 +1,5 @@
 /** @file
- * Interpolations, node weights and types of joint weights of glTF files.
+ * Interpolations, node weights and skins of glTF files, and places that Assimp 5.2 misreads.
  */
 #include "importers/assimp/gltfDetails.h"
 
@@ -16,6 +16,8 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int FLOAT_COMPONENTS = 5126;
+constexpr const char* INTEGERS_ARE_MISREAD =
+    " has integers, which Assimp 5.2 takes for floats; export it without compression";
 
 const Json ABSENT;
 
@@ -57,13 +59,135 @@ GltfInterpolation interpolationOf(const Json& sampler) {
                                  : GltfInterpolation::LINEAR;
 }
 
+/** Number of elements of an accessor; 0 where there is none. */
+uint64_t elementCount(const Json& accessor) {
+  const Json& count = member(accessor, "count");
+  return count.is_number_unsigned() ? count.get<uint64_t>() : 0;
+}
+
+std::string placeIn(const std::string& list, size_t index) {
+  return list + "[" + std::to_string(index) + "]";
+}
+
+class DetailReader {
+ public:
+  explicit DetailReader(const Json& file) : file(file) {}
+
+  GltfDetails read() {
+    const Json& animations = elements(member(file, "animations"));
+    for (size_t i = 0; i < animations.size(); ++i) readAnimation(animations[i], placeIn("animations", i));
+    readNodes();
+    const Json& meshes = elements(member(file, "meshes"));
+    for (size_t i = 0; i < meshes.size(); ++i) readMesh(meshes[i], placeIn("meshes", i));
+    return std::move(details);
+  }
+
+ private:
+  const Json& accessor(const Json& index) const { return element(member(file, "accessors"), index); }
+
+  bool hasIntegers(const Json& accessorIndex) const {
+    const Json& type = member(accessor(accessorIndex), "componentType");
+    return type.is_number() && type != FLOAT_COMPONENTS;
+  }
+
+  void addFault(const std::string& fault) {
+    if (details.fault.empty()) details.fault = fault;
+  }
+
+  /** Assimp 5.2 takes an absent node of a channel for the first one, and unknown properties for translations:
+   * those are ignored where no other channel is lost by it. */
+  void readAnimation(const Json& animation, const std::string& place) {
+    GltfAnimation& made = details.animations.emplace_back();
+    std::map<GltfAnimation::Channel, std::string> strays;
+    const Json& channels = elements(member(animation, "channels"));
+    for (size_t i = 0; i < channels.size(); ++i) {
+      const Json &target = member(channels[i], "target"), &node = member(target, "node");
+      const std::string path = text(member(target, "path"));
+      const bool isProperty =
+          path == "translation" || path == "rotation" || path == "scale" || path == "weights";
+      const GltfAnimation::Channel channel(nodeName(file, node.is_null() ? Json(0U) : node),
+                                           isProperty ? path : "translation");
+      const Json& index = member(channels[i], "sampler");
+      const Json& sampler = element(member(animation, "samplers"), index);
+      const std::string samplerPlace = place + ".samplers[" + index.dump() + "]";
+      const GltfInterpolation interpolation = interpolationOf(sampler);
+      const Json &input = member(sampler, "input"), &output = member(sampler, "output");
+      if (interpolation == GltfInterpolation::CUBICSPLINE &&
+          elementCount(accessor(output)) / 3 < elementCount(accessor(input)))
+        addFault(samplerPlace + " has fewer than the three values that a keyframe of CUBICSPLINE has");
+      if (!isProperty || node.is_null()) {
+        strays[channel] = placeIn(place + ".channels", i);
+        continue;
+      }
+      strays.erase(channel);
+      made.channels[channel] = interpolation;
+      if (made.misread.empty() && (hasIntegers(input) || hasIntegers(output)))
+        made.misread = samplerPlace + INTEGERS_ARE_MISREAD;
+    }
+    for (const auto& [channel, strayPlace] : strays)
+      if (made.misread.empty() && (channel.second != "translation" || made.channels.contains(channel)))
+        made.misread = strayPlace + " has no node or an unknown property; Assimp 5.2 takes it for the " +
+                       channel.second + " of \"" + channel.first + "\"";
+  }
+
+  void readNodes() {
+    const Json& nodes = elements(member(file, "nodes"));
+    std::map<uint64_t, const Json*> skins; // skins by mesh
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      const std::string name = nodeName(file, i);
+      if (member(nodes[i], "rotation").is_null() && member(nodes[i], "matrix").is_null())
+        details.unrotatedNodes.insert(name);
+      const Json &weights = elements(member(nodes[i], "weights")), &mesh = member(nodes[i], "mesh");
+      for (const Json& weight : weights)
+        details.nodeWeights[name].push_back(weight.is_number() ? weight.get<double>() : 0);
+      if (!mesh.is_number_unsigned()) continue;
+      const Json& skin = member(nodes[i], "skin");
+      checkSkin(skin);
+      const auto [found, isNew] = skins.emplace(mesh.get<uint64_t>(), &skin);
+      if (!isNew && *found->second != skin) details.meshesOfSeveralSkins.insert(meshName(mesh));
+    }
+  }
+
+  std::string meshName(const Json& index) const {
+    const std::string name = text(member(element(member(file, "meshes"), index), "name"));
+    return name.empty() ? "meshes[" + index.dump() + "]" : name;
+  }
+
+  void checkSkin(const Json& index) {
+    const Json& skin = element(member(file, "skins"), index);
+    const Json& matrices = accessor(member(skin, "inverseBindMatrices"));
+    if (!skin.is_null() &&
+        (matrices.is_null() || elementCount(matrices) < elements(member(skin, "joints")).size()))
+      addFault("skins[" + index.dump() +
+               "] has no inverse bind matrix for each joint, which Assimp 5.2 needs");
+  }
+
+  void readMesh(const Json& mesh, const std::string& place) {
+    const Json& primitives = elements(member(mesh, "primitives"));
+    for (size_t i = 0; i < primitives.size(); ++i) {
+      const Json& attributes = member(primitives[i], "attributes");
+      for (const auto& [name, index] : attributes.items()) {
+        if (!name.starts_with("WEIGHTS_") || !hasIntegers(index) || !details.misreadWeights.empty()) continue;
+        details.misreadWeights = placeIn(place + ".primitives", i) + ".attributes.";
+        details.misreadWeights += name + INTEGERS_ARE_MISREAD;
+      }
+    }
+  }
+
+  const Json& file;
+  GltfDetails details;
+};
+
 } // namespace
 
-bool GltfDetails::hasSplines() const {
-  return std::any_of(animations.begin(), animations.end(), [](const auto& channels) {
-    return std::any_of(channels.begin(), channels.end(),
-                       [](const auto& channel) { return channel.second == GltfInterpolation::CUBICSPLINE; });
-  });
+bool GltfAnimation::moves(const std::string& node) const {
+  const auto found = channels.lower_bound({node, ""});
+  return found != channels.end() && found->first.first == node;
+}
+
+bool GltfAnimation::hasSplines() const {
+  return std::any_of(channels.begin(), channels.end(),
+                     [](const auto& channel) { return channel.second == GltfInterpolation::CUBICSPLINE; });
 }
 
 GltfDetails readGltfDetails(const std::string& name, std::string_view bytes) {
@@ -76,32 +200,7 @@ GltfDetails readGltfDetails(const std::string& name, std::string_view bytes) {
         e.what(); // such as "[json.exception.parse_error.101] parse error at line 1"
     throw Error("its JSON is not valid: " + std::string(what.substr(what.find(' ') + 1)));
   }
-  GltfDetails details;
-  const auto checkType = [&](const Json& accessor) {
-    const Json& type = member(element(member(file, "accessors"), accessor), "componentType");
-    if (type.is_number() && type != FLOAT_COMPONENTS) details.hasIntegers = true;
-  };
-  for (const Json& animation : elements(member(file, "animations"))) {
-    auto& channels = details.animations.emplace_back();
-    const Json& samplers = member(animation, "samplers");
-    for (const Json& sampler : elements(samplers)) checkType(member(sampler, "output"));
-    for (const Json& channel : elements(member(animation, "channels"))) {
-      const Json& target = member(channel, "target");
-      channels[{nodeName(file, member(target, "node")), text(member(target, "path"))}] =
-          interpolationOf(element(samplers, member(channel, "sampler")));
-    }
-  }
-  const size_t nodeCount = elements(member(file, "nodes")).size();
-  for (size_t i = 0; i < nodeCount; ++i) {
-    const Json& weights = elements(member(file["nodes"][i], "weights"));
-    if (weights.empty()) continue;
-    std::vector<double>& values = details.nodeWeights[nodeName(file, i)];
-    for (const Json& weight : weights) values.push_back(weight.is_number() ? weight.get<double>() : 0);
-  }
-  for (const Json& mesh : elements(member(file, "meshes")))
-    for (const Json& primitive : elements(member(mesh, "primitives")))
-      checkType(member(member(primitive, "attributes"), "WEIGHTS_0"));
-  return details;
+  return DetailReader(file).read();
 }
 
 } // namespace recurse

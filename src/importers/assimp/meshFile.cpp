@@ -127,26 +127,25 @@ unsigned postProcessing(const Parameters& p) {
   return wantsPose(p) ? always : always | aiProcess_JoinIdenticalVertices;
 }
 
-/** Details of a glTF file that a pose needs. */
+/** Details of a glTF file, which a pose needs. Without one, JSON that Assimp alone accepts is no error. */
 std::optional<GltfDetails> gltfDetails(const std::string& path, const Parameters& p) {
-  if (!wantsPose(p) || !isGltf(path)) return std::nullopt;
+  std::error_code missing;
+  if (!isGltf(path) || !std::filesystem::is_regular_file(path, missing)) return std::nullopt;
+  std::optional<GltfDetails> details;
   try {
-    GltfDetails details = readGltfDetails(path, readFileBytes(path));
-    if (details.hasIntegers)
-      p.fail("filename", path + ": cannot be used: its joint weights or keyframes are integers",
-             "floats, as exporters write them without compression");
-    if (details.hasSplines()) p.warn("time", path + ": its CUBICSPLINE keyframes are interpolated linearly");
-    return details;
-  } catch (const SceneError&) {
-    throw;
+    details = readGltfDetails(path, readFileBytes(path));
   } catch (const Error& e) {
-    p.fail("filename", path + ": cannot be used: " + e.what());
+    if (wantsPose(p)) p.fail("filename", path + ": cannot be used: " + e.what());
+    return std::nullopt;
   }
+  if (!details->fault.empty()) p.fail("filename", path + ": cannot be used: " + details->fault);
+  return details;
 }
 
 void importMeshFile(const Parameters& p, const ImportContext& context, SceneImport& import) {
   const std::string path = p.filePath("filename");
   if (path.ends_with(".ply") || path.ends_with(".PLY")) return importPly(path, p, context, import);
+  const std::optional<GltfDetails> gltf = gltfDetails(path, p);
   std::optional<MemoryCap> memory(MODEL_BYTES);
   Assimp::Importer importer;
   // Lines and points have no surface.
@@ -162,6 +161,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   // The importer takes ownership of the handler.
   importer.SetIOHandler(new NotingIoSystem(import.filesRead, *memory, isAllowed));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   std::string why = "it is damaged";
   const aiScene* scene = nullptr;
   try {
@@ -175,7 +175,6 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   if (why == std::bad_alloc().what())
     why = "it needs more memory than a file of this size should: the file is damaged, or memory is short";
   if (!scene || !scene->mRootNode) p.fail("filename", path + ": cannot be used: " + why);
-  const std::optional<GltfDetails> gltf = gltfDetails(path, p);
   importAssimpScene(*scene, path, p, context, gltf ? &*gltf : nullptr, import);
 }
 
