@@ -22,7 +22,7 @@ struct RecordedPixel {
 };
 
 /**
- * Records samples [0, `count`) of each pixel: the samples of render() with the same settings, bit for bit.
+ * Records samples [0, `count`) of each pixel, at most those of render() with the same settings, bit for bit.
  * The integrator must be new, and keeps its last photon map, whose light paths are recorded by
  * `lightPaths` unless it is null. `stop` ends the recording early. Throws Error
  * for a pixel outside of the crop window, and where the integrator cannot render the scene.

@@ -1,6 +1,6 @@
 /** @file
  * The render loop: forward and backward passes of an integrator into a film, until the sample count, the time
- * limit or an interrupt.
+ * limit, the error target or an interrupt.
  */
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace recurse {
 
-/** Copies the film's sample counts to the statistics, with a warning where pixels have no samples. */
+/** Copies the film's counts of samples and saturated splats to the statistics; warns of unsampled pixels. */
 void countSamples(const Film& film, RenderStatistics& statistics);
 
 /**

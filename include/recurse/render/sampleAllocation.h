@@ -37,13 +37,13 @@ class SampleAllocation {
  public:
   /** Number of initial samples, the same for each pixel. */
   static constexpr int64_t EVEN = int64_t(Film::MIN_SAMPLES);
-  static constexpr int64_t PILOT_PERIOD = 4;
-  static constexpr double MAX_SHARE = 8;
+  static constexpr int64_t PILOT_PERIOD = 4; ///< samples of the average pixel for a pilot sample, after EVEN
+  static constexpr double MAX_SHARE = 8;     ///< maximum ratio to the samples of the average pixel
   /** Number of consecutive pilot samples that are summed. */
   static constexpr int64_t BLOCK = 4;
   /** Assumed exponent of the decrease of the squared error with samples: between noise, 1, and edges, 1.5. */
   static constexpr double FALL = 1.4;
-  static constexpr size_t MIN_CLASS = 64;
+  static constexpr size_t MIN_CLASS = 64; ///< minimum number of pixels that share a predicted variance
   /** Maximum length of a stage between two allocations [samples of the average pixel]; earlier stages double
    * the number of samples. */
   static constexpr int64_t LONGEST_STAGE = 64;
@@ -65,7 +65,7 @@ class SampleAllocation {
   /** Sets whether each sample of the average pixel has its own photon map; before the first sample. */
   void setMapPerSample(bool is) { mapPerSample = is; }
 
-  /** Number of samples due at a pixel when the average pixel has `sample`, within the stage. */
+  /** Total number of samples due at a pixel when the average pixel has `sample`, within the stage. */
   uint64_t due(size_t pixel, int64_t sample) const;
   /** Number of pilot samples due at each pixel in the stage when the average pixel has `sample`. */
   uint64_t pilotsDue(int64_t sample) const { return uint64_t(pilots(stage.first, sample)); }
@@ -92,7 +92,7 @@ class SampleAllocation {
     return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels)),
             std::as_writable_bytes(std::span(stagePilots))};
   }
-  /** Data on which due() and pilotsDue() depend, for processes that render a part of the stage. */
+  /** Data on which due() and pilotsDue() depend besides setMapPerSample(), for processes that share it. */
   std::vector<std::byte> plan() const;
   void setPlan(std::span<const std::byte> plan);
 

@@ -118,7 +118,7 @@ template <class State> class Walker {
  private:
   bool endsByDepth(Path& path) const {
     if (path.depth == maxDepth) {
-      if (TRANSPORT == Transport::RADIANCE)
+      if (WalkSide<State>::TRANSPORT == Transport::RADIANCE)
         counts.truncatedThroughput += double(maxComponent(path.throughput));
       return true;
     }

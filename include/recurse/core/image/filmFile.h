@@ -14,7 +14,7 @@ namespace recurse {
 bool isFilmFormat(const std::string& fileName);
 
 /** Throws Error when a film could not be written there: an extension other than .png .apng .mp4, no ffmpeg
- * for .mp4, or as checkImageWritable(). Called before a long render. */
+ * for .mp4, or as checkFileWritable(). Called before a long render. */
 void checkFilmWritable(const std::string& fileName);
 
 /** Film in memory, one PNG for each frame, until write(). */

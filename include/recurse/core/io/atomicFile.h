@@ -36,8 +36,8 @@ class AtomicFile {
  * named pipe. Creates nothing. */
 void checkFileWritable(const std::string& fileName);
 
-/** Unlinks the temporary files of every AtomicFile that is not committed. Safe in a signal handler that ends
- * the program. */
+/** Unlinks the temporary files of up to 64 AtomicFiles that are not committed. Safe in a signal handler that
+ * ends the program. */
 void removeTemporaryFiles() noexcept;
 
 } // namespace recurse

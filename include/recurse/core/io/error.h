@@ -43,14 +43,14 @@ enum class Severity { ERROR, WARNING };
 struct Diagnostic {
   Severity severity = Severity::ERROR;
   SourceLocation location;
-  std::string message;  ///< the error
+  std::string message;  ///< the error or warning
   std::string accepted; ///< accepted values; may be empty
 
   /** Text `file:line:column: error: message`, the line with a caret, and the accepted values. */
   std::string format() const;
 };
 
-/** Collection of diagnostics, so that one run reports all errors. */
+/** Collection of diagnostics, so that one run reports all errors. Messages are cut to 600 characters. */
 class Diagnostics {
  public:
   void error(const SourceLocation& where, const std::string& message, const std::string& accepted = {});

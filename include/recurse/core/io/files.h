@@ -14,7 +14,7 @@ bool isSameFile(const std::string& a, const std::string& b);
 /** True where the name, of a file or folder that need not exist, is below the folder, links followed. */
 bool isInside(const std::string& name, const std::string& folder);
 
-/** True for a pipe, terminal or socket that this process was started with, such as /dev/stdout. */
+/** True for a pipe, terminal, socket or device that this process has open, such as /dev/stdout. */
 bool isOpenStream(const std::string& name);
 
 /** Kind of a special file: "a folder", "a named pipe" and so on; empty for a regular or missing file. */

@@ -29,7 +29,7 @@ class AnimatedTransform {
   /** Number of equal time intervals within which interpolating matrices linearly is accurate to 1e-4 of the
    * size of the transformed objects. */
   int linearParts() const;
-  /** The transform followed by a constant matrix: m times this. */
+  /** The transform followed by a translation, rotation or uniform scaling m: m times this. */
   AnimatedTransform after(const Mat4d& m) const {
     return animated ? AnimatedTransform(m * first, m * last) : m * first;
   }

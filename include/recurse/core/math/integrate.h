@@ -18,7 +18,8 @@ template <class F> double gauss7(const F& f, double a, double b) {
   return sum * half;
 }
 
-/** Adaptive quadrature: halves [a, b] until both halves agree with the rule's `whole` to `tolerance`. */
+/** Adaptive quadrature: halves [a, b] until the sum of both differs from `whole`, gauss7() of [a, b], by at
+ * most `tolerance`, or `depth` + 1 times. */
 template <class F>
 double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
   const double middle = 0.5 * (a + b);
@@ -27,6 +28,7 @@ double integrate(const F& f, double a, double b, double tolerance, double whole,
   return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
          integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
 }
+/** The same for a tolerance relative to gauss7() of [a, b], with up to 31 halvings. */
 template <class F> double integrate(const F& f, double a, double b, double relativeTolerance) {
   const double whole = gauss7(f, a, b);
   return integrate(f, a, b, relativeTolerance * std::abs(whole), whole, 30);

@@ -16,7 +16,7 @@ struct Ray {
   Vec3f at(float t) const { return origin + direction * t; }
 };
 
-/** A camera ray with its footprint: at distance t the pixel is about width + spread·t wide. */
+/** A camera ray with its footprint: at distance t the pixel is about width + spread·t [scene units] wide. */
 struct CameraRay : Ray {
   float width = 0;
   float spread = 0;

@@ -58,7 +58,7 @@ class WindowedDistribution2d {
   /** Density in proportion to width · height finite values of at least 0, row by row. */
   WindowedDistribution2d(int width, int height, const std::vector<double>& cells);
 
-  /** Sum of the table over a window; 0 where it is empty, black, or less than 1e-12 of the whole. */
+  /** Sum over a window, relative to the largest cell; 0: empty, black, or less than 1e-12 of the whole. */
   double sum(const Window& window) const;
   /** Samples a point of a window whose sum is above 0. */
   Vec2d sample(const Window& window, const Vec2d& u) const;

@@ -34,7 +34,7 @@ int availableCores();
 int threadCount();
 
 /** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool. Each i may write only to data
- * of its own. */
+ * of its own. Throws Interrupted, see checkInterrupted(), and passes exceptions of `body` on. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

@@ -17,7 +17,7 @@ struct PixelSample {
   uint32_t index = 0;     ///< number of the sample within its pixel
   uint32_t requested = 1; ///< samples of each pixel as planned; `index` may exceed it
 
-  /** Number of the pixel; distinct for all films. */
+  /** Number of the pixel, the same for films of any size. */
   uint64_t pixel() const { return uint64_t(y) << 32 | x; }
 };
 

@@ -97,7 +97,7 @@ class Film {
   /** Blocks of state(), in the same order, for sums computed elsewhere. */
   std::vector<StatePart> stateParts();
 
-  /** Value of a pixel in a layer; black before the first sample. */
+  /** Value of a pixel in a layer: mean of its samples, black before the first one, plus splats. */
   Rgb value(size_t pixel, size_t layer) const {
     const double weight = pixels[pixel].weight;
     const LongSum* sum = &sums[(pixel * layers + layer) * 3];
@@ -135,8 +135,8 @@ class Film {
    */
   std::vector<double> standardErrors() const;
   /**
-   * Error of the whole image: 95th percentile over pixels of standard error over luminance, where the
-   * luminance is at least a tenth of the image's mean. Infinite while a pixel has fewer than MIN_SAMPLES
+   * Error of the whole image: 95th percentile over pixels of standard error over luminance, which counts
+   * as at least a tenth of the image's mean. Infinite while a pixel has fewer than MIN_SAMPLES
    * samples, too few for a sample variance.
    */
   double relativeError() const;

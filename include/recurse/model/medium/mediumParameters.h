@@ -17,8 +17,8 @@ std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const
                                             const ParameterSpec& emissionScale = emissionScaleParameter());
 /** Factor of emitted radiance: Lescale; the largest one where the cells of a grid have one each. */
 double emissionScale(const Parameters& p);
-/** Medium described by the parameters; `preset`, where it is declared and given, replaces sigma_a and
- * sigma_s. Throws SceneError where the numbers do not fit single precision. */
+/** Medium described by the parameters; the `preset` of a homogeneous one applies if neither sigma_a nor
+ * sigma_s is given. Throws SceneError for coefficients above 1e18. */
 MediumPoint readMediumPoint(const Parameters& p);
 /** Measured media by name [1/mm]; the scattering coefficient is reduced, for isotropic phase functions. */
 std::vector<std::string> mediumPresetNames();

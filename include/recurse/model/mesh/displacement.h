@@ -14,7 +14,7 @@ namespace recurse {
 class Dicing {
  public:
   virtual ~Dicing() = default;
-  /** Maximum length of an edge between two points in the space of the shape. */
+  /** Maximum length of an edge from a to b, in the space of the scene (or of the shape's instance). */
   virtual double edgeLength(const Vec3d& a, const Vec3d& b) const = 0;
 };
 
@@ -23,8 +23,8 @@ std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own);
 
 /**
  * The mesh, displaced if the parameters say so: edges are halved until they are short enough before and after
- * displacement. Triangles with a common edge split it at the same points, so that no cracks appear. Normals
- * are recomputed from the displaced surface. Throws Error as TriangleMesh does.
+ * displacement, up to 20 million triangles. Triangles split common edges at the same points, so that no
+ * cracks appear. Normals are recomputed from the displaced surface. Throws Error as TriangleMesh does.
  */
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context);

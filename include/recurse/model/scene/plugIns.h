@@ -16,7 +16,7 @@
 
 namespace recurse {
 
-class Integrator; // transport/integrator.h
+class Integrator; // transport/integrator/integrator.h
 
 /** Settings of the Accelerator directive, which has no effect: Embree builds the tree. */
 struct AcceleratorSettings {};

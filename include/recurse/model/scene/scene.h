@@ -33,7 +33,7 @@ struct Hit {
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
-  int shape = -1;                       ///< in Scene::shapes(); -1: a shape of an instance
+  int shape = -1;                       ///< in Scene::shapes(); -1: a shape that moves or is in an instance
   MediumInterface media;                ///< on both sides, where the surface is a boundary of media
   uint32_t object = 0;                  ///< see Scene::objectName()
 };
@@ -80,7 +80,7 @@ struct ChosenLight {
   uint32_t index = 0; ///< in the table
 };
 
-/** Lights with selection probabilities in proportion to their power. */
+/** Lights with selection probabilities in proportion to their power, in its largest channel. */
 class LightTable {
  public:
   void build(const std::vector<const Light*>& lights);
@@ -153,7 +153,7 @@ class Scene {
   const std::vector<std::string>& materialLabels() const { return labelsOfMaterials; }
   /** Names of media, by their index less one; empty for the filling of a material. */
   const std::vector<std::string>& mediumNames() const { return namesOfMedia; }
-  /** Name of a material in the file, or its kind with a number; empty for one without a name. */
+  /** Name of a material in the file, else its kind, numbered from the second of a kind; empty for null. */
   std::string materialName(const Material* material) const;
   /** Maximum number of dielectrics with priority in a scene, equal ones counted once. */
   static constexpr size_t MAX_NESTED = 32;
@@ -173,8 +173,8 @@ class Scene {
   uint16_t cameraMedium() const { return mediumOfCamera; }
   /** Index of the medium around a light by the scene file; for areas, on the outer side of the shape. */
   uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
-  /** Index of the medium inside of a nested dielectric with priority. */
-  static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around it
+  static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around a dielectric
+  /** Index of the medium inside of a nested dielectric with priority, or SURROUNDING_MEDIUM. */
   uint16_t nestedMedium(size_t nested) const { return nestedMedia[nested]; }
   const Camera& camera() const { return *sceneCamera; }
   /** True where the scene or the camera moves while the shutter is open, so that rays of different times may

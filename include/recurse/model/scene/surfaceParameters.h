@@ -1,5 +1,5 @@
 /** @file
- * Common parameters of all shapes and all materials: opacity, bumps, normal maps.
+ * Common parameters of shapes, lights and materials: names, opacity, bumps, normal maps.
  */
 #pragma once
 
@@ -7,7 +7,8 @@ namespace recurse {
 
 struct PlugIns;
 
-/** Adds `alpha` to every shape, `displacement` and `normalmap` to every material. */
+/** Adds `name` to shapes and lights, `alpha` to shapes, `displacement` and `normalmap` to all materials but
+ * "interface". */
 void addSurfaceParameters(PlugIns& plugIns);
 
 } // namespace recurse

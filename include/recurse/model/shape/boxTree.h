@@ -1,5 +1,5 @@
 /** @file
- * Bounding volume hierarchy within one shape, over its operands, balls or triangles.
+ * Bounding volume hierarchy within one shape or texture, over its operands, balls or triangles.
  */
 #pragma once
 

@@ -139,7 +139,7 @@ class Shape {
     return surfaceAt(primitive, parameters);
   }
 
-  /** False for surfaces without area sampling: these cannot be lights, and the functions that follow are not
+  /** False for surfaces without area sampling: these cannot be lights, and area() to pdfDirection() are not
    * called. */
   virtual bool canBeSampled() const { return true; }
   virtual float area() const = 0;
@@ -225,7 +225,7 @@ struct ShapeContext {
   const TextureLookup* textures = nullptr; ///< null: no texture can be named
   ShapeLookup* shapes = nullptr;           ///< null: no object can be named
   const Material* material = nullptr;      ///< of the Shape directive; null: no scattering
-  const Dicing* dicing = nullptr;          ///< null: no camera sees the shape
+  const Dicing* dicing = nullptr;          ///< null: no displacement, or no camera
   Vec3d textureShift{0};                   ///< added to a position for texture lookups
 };
 

@@ -16,7 +16,7 @@ struct NoiseSum {
   int octaves = 8;
   double roughness = 0.5;
   double fractal(const MappedPoint& m) const;    ///< fractional Brownian motion: sum of the octaves
-  double turbulence(const MappedPoint& m) const; ///< sum of their absolute values
+  double turbulence(const MappedPoint& m) const; ///< sum of absolute values and, as in pbrt, up to one mean
 
  private:
   template <class Term, class Rest>

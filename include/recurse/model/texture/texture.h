@@ -36,7 +36,7 @@ class TextureLookup {
   virtual TexturedRgb real(const Parameters& parameters, const std::string& name) const = 0;
 };
 
-/** Value of a float parameter declared withTexture; `textures` may be null. */
+/** Value of a float parameter declared withTexture; throws SceneError for a texture without `textures`. */
 TexturedRgb realOrTexture(const TextureLookup* textures, const Parameters& parameters,
                           const std::string& name);
 
@@ -48,7 +48,8 @@ struct TextureContext {
   const Vec3d* sceneOrigin =
       nullptr; ///< subtracted from world positions, known once the scene is built; null: nothing
 
-  /** Value of a parameter declared by textureValue(): of colour or float kind, like the texture itself. */
+  /** Value of a parameter declared by textureValue(), of the texture's kind. Throws SceneError for a colour
+   * in a float texture, and for a negative constant in a spectrum texture. */
   TexturedRgb value(const Parameters& parameters, const std::string& name) const;
   /** Throws SceneError unless the texture has the only kind that this class supports. */
   void requireKind(const Parameters& parameters, bool spectrum) const;

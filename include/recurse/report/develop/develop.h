@@ -18,7 +18,7 @@ struct Exposure {
   enum class Meter {
     NONE,
     LOG_AVERAGE, ///< exposure of meteredStops()
-    PERCENTILE   ///< maps this percentile of the luminance to 1
+    PERCENTILE   ///< maps this percentile of the luminances above 0 to 1
   };
   Meter meter = Meter::LOG_AVERAGE;
   double percentile = 0; ///< in (0, 100]
@@ -28,8 +28,8 @@ struct Exposure {
 /**
  * Exposure of an automatic camera [stops]: maps the log average of the luminance to middle grey, or slightly
  * less or more where most of the picture is dark or bright (Reinhard 2002, "Parameter Estimation for
- * Photographic Tone Reproduction"). Black pixels and the darkest and brightest ones, such as lamps, are
- * ignored. Zero for a black picture.
+ * Photographic Tone Reproduction"). Black around the lit part is ignored; luminances beyond the 5th and
+ * 95th percentile, such as lamps, count as these. Zero for a black picture.
  */
 double meteredStops(const Image& picture);
 /** Exposure of a picture by these settings [stops]. */
@@ -51,7 +51,7 @@ class DisplayEncoding {
  public:
   /** Throws Error (BAD_USAGE), with all valid names, for an unknown one. */
   explicit DisplayEncoding(const std::string& name = "srgb");
-  /** Encodes linear values in [0, 1] for the display; others are clipped. */
+  /** Encodes linear values, clipped to [0, 1], for the display; OpenColorIO has them unclipped. */
   void apply(Image& picture) const;
   static const std::vector<std::string>& names();
 
@@ -98,11 +98,11 @@ std::string developPage(const Image& picture, const DevelopSettings& settings, c
  * found in the direct light, since glare has none. */
 void mixBrightEdges(const Glaring& exposed, Image& shown);
 
-/** Develops a picture. Negative values and values that are not finite count as black. */
+/** Develops a picture. Negative values count as 0, pixels that are not finite as black. */
 Developed develop(const Image& picture, const DevelopSettings& settings);
 
-/** Sheet of the picture by every tone operator with default parameters, each with its name; encoded like
- * developed pictures. */
+/** Sheet of the picture by every tone operator with default parameters, each with its name, reduced to at
+ * most 480 pixels a side; encoded like developed pictures. */
 Developed operatorSheet(const Image& picture, const DevelopSettings& settings);
 
 } // namespace recurse

@@ -42,8 +42,7 @@ Image rasterised(const FigureDrawing& drawing);
 /** Drawing as an SVG file with the pictures inside. Throws Error. */
 std::string svgText(const FigureDrawing& drawing);
 
-/** Throws Error (BAD_USAGE) when a drawing could not be written there: see checkImageWritable(); .svg is
- * allowed too. */
+/** Throws Error when a drawing could not be written there: see checkImageWritable(); .svg is allowed too. */
 void checkDrawingWritable(const std::string& fileName);
 
 /** Writes a drawing as .svg, or in a format of writeImage(). Throws Error. */

@@ -36,14 +36,14 @@ struct FigurePanel {
   std::optional<ColourScale> scale = {}; ///< drawn below the picture, for false colours
 };
 
-/** Panel of a quantity of each pixel, row by row from the top, in the colours of the scale. */
+/** Panel of a quantity of each pixel, row by row from the top, in the scale's colours; black: not finite. */
 FigurePanel scaledPanel(const PixelBounds& crop, const std::vector<double>& values, const ColourScale& scale,
                         const std::string& name, int row, float column);
 
-/** Quantile of the values, from 0 to 1; the values must not be empty. */
+/** Value below which the fraction `part` in [0, 1] of the values is. They must not be empty. */
 double quantileOf(std::vector<double> values, double part);
 
-/** Curve of a plot, with positive coordinates. */
+/** Curve of a plot. Points with a coordinate of 0 or less are left out. */
 struct FigureCurve {
   std::string name;
   Rgb colour;
@@ -82,8 +82,8 @@ std::vector<StrategyPictures> strategyPictures(const Scene& scene, Integrator& b
 std::vector<FigurePanel> pyramidPanels(const std::vector<StrategyPictures>& strategies, bool weighted);
 
 /** Panels of multiple importance sampling (Veach and Guibas 1995): shadow rays alone, rays of the BSDF alone,
- * each unweighted and weighted, and both together. Light that only one of them can find is in both pictures
- * of a technique alone. `path`: new. */
+ * each unweighted and weighted, and both together. Light that only one of them can find is in both unweighted
+ * pictures. `path`: new. */
 std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const RenderSettings& settings,
                                    const std::atomic<bool>& stop);
 
@@ -110,7 +110,7 @@ struct EstimateMethods {
 
 /** Layers of a photon radiance estimate. Errors are relative to the mean of the picture. */
 struct EstimateFigure {
-  std::vector<FigurePanel> panels; ///< radiance, bias, standard deviation, number of photons, radius
+  std::vector<FigurePanel> panels; ///< radiance, bias, standard deviation, error of bias, photons, radius
   double squaredBias = 0;          ///< mean over the picture, without the noise of the bias
   double variance = 0;             ///< mean over the picture, of one map
   double biasError = 0;            ///< median standard error of the bias
@@ -133,8 +133,8 @@ struct AcnePicture {
   double leaks = 0; ///< fraction that is not blocked, but is by the rule
 };
 
-/** Direct light at the points that the middles of pixels see, by the same shadow rays with each offset and
- * last with the rule. Throws Error like samplingsFigure(). */
+/** Direct light at the points that the middles of pixels see, and seen emission, by the same shadow rays with
+ * each offset and last with the rule. Throws Error like samplingsFigure(). */
 std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<float>& offsets, int64_t samples,
                                       uint64_t seed, const std::atomic<bool>& stop);
 /** Zero, and fractions of the scene's radius. */
@@ -151,8 +151,8 @@ std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity
  */
 int64_t samplesTaken(const Integrator& integrator, const RenderSettings& settings);
 
-/** Panels of the cost of a pixel in false colours: rays, photons of density estimates, and processor time
- * [us], with the range in the name. `integrator`: new. Photons are left out if there are none. */
+/** Panels of the mean cost of a pixel's samples in false colours: rays, photons of density estimates, and
+ * processor time [us], with the range in the name. `integrator`: new. Without photons, no panel of them. */
 std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
                                     const RenderSettings& settings, const std::atomic<bool>& stop);
 

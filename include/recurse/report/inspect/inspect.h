@@ -43,7 +43,7 @@ struct Inspection {
   bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
 
-/** Number of levels of photonBoxes(): the last one has up to 4096 boxes, enough for a clear picture. */
+/** Levels of Integrator::visitPhotonBoxes(): the last has up to 4096 boxes, enough for a clear picture. */
 constexpr int BOX_LEVELS = 13;
 
 /** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones. */
@@ -58,17 +58,17 @@ std::string photonExpression(const PathClasses& classes, const std::vector<Store
  * Estimates the irradiance E = π L / ρ at Lambertian surfaces of albedo ρ from the radiance L of `samples`
  * camera rays through the middle of each pixel. `integrator`: prepared, and after its forward pass.
  * `classes`: one class, of the paths from the light to the camera that count. Pixels are left out whose first
- * surface is not Lambertian, has other lobes, a bump map or a black channel. Scenes that move, or have media
- * or thin panes, have no points: there this light is not that of the photons.
+ * surface is not Lambertian, has other lobes, a bump or normal map, or a black channel. Scenes that move, or
+ * have media or thin panes, have no points: there this light is not that of the photons.
  */
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,
                                             int64_t samples, uint64_t seed, const std::atomic<bool>& stop);
 
 /** Does the same for any surface point, on the side of its unit normal, by rays against the normal. The
- * surface nearest to the position along the normal is taken, up to 2 % of the scene's radius away: positions
- * on a simplified mesh are off it. Empty where no surface is near or it is not Lambertian, or the light is
- * not comparable. */
+ * nearest surface along the normal is taken, up to 2 % of the scene's radius away: positions on a simplified
+ * mesh are off it. Backs count as four times as far. Empty where no surface is near or it is not Lambertian,
+ * or the light is not comparable. */
 std::optional<ReferencePoint> referenceAt(const Scene& scene, const Integrator& integrator,
                                           const PathClasses& classes, const Vec3f& position,
                                           const Vec3f& normal, int64_t samples, uint64_t seed,

@@ -15,19 +15,19 @@ namespace recurse {
 /** A method with its result for the scene. */
 struct MethodResult {
   std::string name, settings;
-  std::string claims;       ///< expression of the paths that the method computes
-  std::string suppositions; ///< assumptions about these paths, in words; empty: none
-  std::string failure;      ///< reason for a missing picture, in words; empty: there is a picture
-  double seconds = 0, samplesPerPixel = 0;
-  Stills stills; ///< by the classes of the report
+  std::string claims;                      ///< expression of the paths that the method computes
+  std::string suppositions;                ///< assumptions about these paths, in words; empty: none
+  std::string failure;                     ///< reason for a missing picture, in words; empty: there is one
+  double seconds = 0, samplesPerPixel = 0; ///< seconds: time of the render [s]
+  Stills stills;                           ///< by the classes of the report
 
   // Set by measureMethod():
   Image picture;
-  Comparison whole;               ///< error with all light
-  Comparison own;                 ///< error with the light of the paths that the method computes
-  double missing = 0;             ///< fraction of all light on paths that the method does not compute
-  std::vector<double> classMeans; ///< luminance of each class
-  std::vector<bool> classIsClaimed;
+  Comparison whole;                 ///< error with all light
+  Comparison own;                   ///< error with the light of the paths that the method computes
+  double missing = 0;               ///< fraction of all light on paths that the method does not compute
+  std::vector<double> classMeans;   ///< luminance of each class
+  std::vector<bool> classIsClaimed; ///< a part of the class suffices unless MethodsReport::isExact
 };
 
 struct MethodsReport {

@@ -9,7 +9,7 @@
 
 namespace recurse {
 
-/** Contribution of each sample of a reflectance to its colour. The sum is the colour of rgbOfSpectrum()
+/** Weights of the samples of a reflectance: the sum of weights times samples is the colour of rgbOfSpectrum()
  * before it is moved into the gamut. Wavelengths [nm] increase. */
 std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths);
 
