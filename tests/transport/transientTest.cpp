@@ -98,13 +98,14 @@ void expectPulse(const std::string& world, const std::string& paths, const Trans
 
 /** Compares the means of the frames of all ways with those of the first. */
 void expectSameFrames(const std::string& world, const TransientFrames& frames, const std::vector<Way>& ways) {
-  constexpr int SEEDS = SANITIZED ? 6 : 8, SAMPLES = SANITIZED ? 1 : 3; // few seeds: errors of errors
-  constexpr double SURE = 5;                                            // standard errors
+  constexpr int SEEDS = 8, SAMPLES = SANITIZED ? 1 : 3; // with few seeds the errors are uncertain
+  constexpr int TRUTH_SAMPLES = 16;                     // paths that few samples miss are in no error
+  constexpr double SURE = 5;                            // standard errors
   constexpr double BIAS = 0.01,
                    EARLIER = 0.001; // of photons: of the frame, and of the picture, by their blur
   const auto scene = sceneFrom(world);
   const PathClasses classes = framed(frames);
-  const BatchMeans truth = classMeans(*scene, ways[0], classes, 4 * SAMPLES, SEEDS);
+  const BatchMeans truth = classMeans(*scene, ways[0], classes, TRUTH_SAMPLES, SEEDS);
   size_t lit = 0;
   for (size_t layer = BEFORE; layer < classes.layerCount(); ++layer)
     lit += truth.mean(3 * layer + 1) > 0.01 * truth.mean(1);
