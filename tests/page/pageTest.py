@@ -54,7 +54,8 @@ class Page(unittest.TestCase):
         return [origin[i] + (pixel[i] + 0.5) * zoom for i in (0, 1)]
 
     def colourAt(self, pixel, size):
-        """As the stage shows it, [r, g, b] of 0 to 255."""
+        """As the stage shows it once all is drawn, [r, g, b] of 0 to 255."""
+        browser.settle()
         x, y = self.place(pixel, size)
         return browser.evaluate(
             "(() => { const v = document.getElementById('view'), b = v.getBoundingClientRect();"
