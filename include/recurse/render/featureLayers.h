@@ -25,7 +25,7 @@ void requireFeatureLayers(const std::vector<std::string>& names);
 
 struct FeatureSettings {
   std::vector<std::string> layers; ///< names from featureLayers()
-  int samples = 16;                ///< of a pixel; always 64 for mattes
+  int samples = 16;                ///< samples of a pixel; mattes always take 64
   bool throughSpecular = false;    ///< sees through mirrors and smooth glass, up to 16 in a row
   uint64_t seed = 0;
 };

@@ -22,7 +22,8 @@ struct RecordedPixel {
 };
 
 /**
- * Records samples [0, `count`) of each pixel, at most those of render() with the same settings, bit for bit.
+ * Records the first `count` samples of each pixel, or as many as render() takes with the same settings, whose
+ * samples they are bit for bit.
  * The integrator must be new, and keeps its last photon map, whose light paths are recorded by
  * `lightPaths` unless it is null. `stop` ends the recording early. Throws Error
  * for a pixel outside of the crop window, and where the integrator cannot render the scene.

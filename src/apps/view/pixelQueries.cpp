@@ -108,7 +108,7 @@ std::string PixelQueries::page(const Image& picture) {
 
 void PixelQueries::prepareReferences(const std::string& expression) {
   if (path && referencePaths == expression) return;
-  path = pathTracerThatLearnsNothing(maxDepth); // so that the first answer comes soon
+  path = pathTracerThatLearnsNothing(maxDepth); // learning would delay the first answer
   referenceClasses = std::make_unique<PathClasses>(sceneClasses({{"photons", expression}}, scene));
   path->prepare(scene, *referenceClasses);
   referencePaths = expression;

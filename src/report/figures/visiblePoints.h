@@ -41,8 +41,8 @@ std::optional<CameraRay> middleRay(const Scene& scene, int x, int y);
 void visitMiddleRays(const Scene& scene, const std::atomic<bool>& stop,
                      const std::function<void(size_t pixel, const CameraRay&)>& use);
 
-/** The same with what the ray sees. Follows mirrors and glass by all their directions, up to MAX_DELTA_DEPTH
- * events and down to MIN_DELTA_WEIGHT. */
+/** Calls use(pixel, view) for the same pixels with what their middle rays see. Follows mirrors and glass by
+ * all their directions, up to MAX_DELTA_DEPTH events and down to MIN_DELTA_WEIGHT. */
 void visitViews(const Scene& scene, const std::atomic<bool>& stop,
                 const std::function<void(size_t pixel, const PixelView&)>& use);
 constexpr int MAX_DELTA_DEPTH = 16;

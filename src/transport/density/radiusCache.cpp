@@ -108,16 +108,16 @@ class PlaceFinder {
       Record& record = records[i];
       const float radius = record.radius;
       const Evidence evidence = evidenceAt(records, measured, record, scratch);
-      if (evidence.records == 0) return;
+      if (evidence.recordCount == 0) return;
       const SupportErrors& errors = evidence.absolute;
       const size_t best =
           choosesAreas ? evidence.relative.best(biasWeight, detail) : size_t{SupportErrors::OWN};
-      record.irradiance = static_cast<float>(errors.irradiance / evidence.records);
-      record.variance = static_cast<float>(errors.variance[best] / evidence.records);
+      record.irradiance = static_cast<float>(errors.irradiance / evidence.recordCount);
+      record.variance = static_cast<float>(errors.variance[best] / evidence.recordCount);
       double bias2 = 0;
       for (size_t j = 0; j < best; ++j) bias2 += errors.sureBias2(j);
-      record.bias2 = static_cast<float>(biasWeight * bias2 / evidence.records);
-      if (rays.lights) record.worth = worth(errors, best, double(record.bias2), evidence.records);
+      record.bias2 = static_cast<float>(biasWeight * bias2 / evidence.recordCount);
+      if (rays.lights) record.worth = worth(errors, best, double(record.bias2), evidence.recordCount);
       if (best == SupportErrors::OWN) return;
       settle(
           record, i, [&](const GatherRegion&) { return radius * ofArea(best); }, taskCounts);
@@ -127,7 +127,7 @@ class PlaceFinder {
  private:
   /** Records at which the errors of supports are measured, by index of measurement. */
   struct Measured {
-    std::vector<size_t> records;
+    std::vector<size_t> indices;
     std::vector<SupportErrors> errors;
     std::vector<float> radii; ///< before any choice of area
     PhotonMap positions;
@@ -140,16 +140,16 @@ class PlaceFinder {
     Measured measured;
     const auto measureSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
-      for (size_t i = from; i < end; i += stride) measured.records.push_back(i);
+      for (size_t i = from; i < end; i += stride) measured.indices.push_back(i);
     };
     measureSome(0, ofPhotons);
     measureSome(ofPhotons, records.size());
-    const size_t count = measured.records.size();
+    const size_t count = measured.indices.size();
     std::vector<Photon> at(count);
     measured.errors.resize(count);
     measured.radii.resize(count);
     forAll(count, [&](size_t m, PhotonScratch&, TransportCounts& taskCounts) {
-      const size_t i = measured.records[m];
+      const size_t i = measured.indices[m];
       SupportErrors& errors = measured.errors[m];
       at[m].position = records[i].position;
       measured.radii[m] = records[i].radius;
@@ -183,7 +183,7 @@ class PlaceFinder {
     const auto add = [&](const PhotonBlock& block, bool onlySeen) {
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
         const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)));
-        const Record& other = records[measured.records[m]];
+        const Record& other = records[measured.indices[m]];
         const float radius = measured.radii[m];
         if (!(std::max(record.radius, radius) < MAX_RATIO * std::min(record.radius, radius))) continue;
         const bool seen =
@@ -192,13 +192,13 @@ class PlaceFinder {
       }
     };
     positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
-    if (evidence.records == 0)
+    if (evidence.recordCount == 0)
       positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
-    if (evidence.records == 0) return evidence;
+    if (evidence.recordCount == 0) return evidence;
     const Evidence nearest = std::exchange(evidence, {});
     region.radius = record.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
     positions.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
-    return evidence.records < nearest.records ? nearest : evidence;
+    return evidence.recordCount < nearest.recordCount ? nearest : evidence;
   }
 
   /** Calls f(i, scratch, counts) in parallel for 0 <= i < count. */

@@ -82,7 +82,7 @@ struct SupportErrors {
 struct Evidence {
   SupportErrors relative, absolute; ///< relative errors, for the choice; absolute [W²/m⁴]
   double squared = 0;               ///< sum of squared irradiances
-  int records = 0;
+  int recordCount = 0;
 
   /** `dark2`: added to the squared irradiance by which errors are divided. */
   void add(const SupportErrors& e, double dark2) {
@@ -90,7 +90,7 @@ struct Evidence {
     relative.add(e, 1 / (square(e.irradiance) + dark2));
     absolute.add(e, 1);
     squared += square(e.irradiance);
-    ++records;
+    ++recordCount;
   }
   /** Mean relative variance of a record's own support. */
   double relativeVariance() const { return absolute.variance[SupportErrors::OWN] / squared; }

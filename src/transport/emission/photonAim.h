@@ -27,7 +27,7 @@ class PhotonAim {
   /** Replaces the direction and flux of an aimed light's sample. The flux is black where the light does not
    * emit in that direction. `pick` and `u` are in [0, 1) and independent of the sample. */
   void redirect(const Light& light, LeSample& sample, float pick, const Vec2f& u) const;
-  /** Density of redirect()'s directions [1/sr]; `own`: density of the light's directions [1/sr]. */
+  /** Density of redirect()'s directions [1/sr]; `unaimed`: density of the light's directions [1/sr]. */
   float pdfDirection(const Light& light, const LeRay& ray, float unaimed) const;
 
  private:

@@ -63,22 +63,22 @@ class BoxPyramid {
   /** Calls visit(i) for each item whose leaf the ray intersects before `end`. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     if (count == 0) return;
-    struct Box {
+    struct Node {
       uint32_t level, index;
     };
-    Box stack[MAX_LEVELS + 1];
+    Node stack[MAX_LEVELS + 1];
     int top = 0;
     stack[top++] = {0, 0};
     const Vec3f inverse = 1.0f / ray.direction;
     while (top > 0) {
-      const Box p = stack[--top];
-      if (!intersects(boxes[(size_t(1) << p.level) - 1 + p.index], ray.origin, inverse, end)) continue;
-      if (p.level < levels) {
-        stack[top++] = {p.level + 1, 2 * p.index};
-        stack[top++] = {p.level + 1, 2 * p.index + 1};
+      const Node node = stack[--top];
+      if (!intersects(boxes[(size_t(1) << node.level) - 1 + node.index], ray.origin, inverse, end)) continue;
+      if (node.level < levels) {
+        stack[top++] = {node.level + 1, 2 * node.index};
+        stack[top++] = {node.level + 1, 2 * node.index + 1};
         continue;
       }
-      for (size_t i = firstOf(p.level, p.index); i < firstOf(p.level, p.index + 1); ++i) visit(i);
+      for (size_t i = firstOf(node.level, node.index); i < firstOf(node.level, node.index + 1); ++i) visit(i);
     }
   }
 

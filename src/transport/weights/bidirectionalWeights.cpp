@@ -69,8 +69,8 @@ double connectionWeight(const WeightedPath& path, size_t i) {
   const Techniques t(path);
   if (i + 1 < t.k) return t.connections(i) / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
   // Multiplied by B_k, which is 0 where shadow rays find the light but photons never start.
-  const double technique = t.shadowRays(), light = t.x[t.k].fromLight;
-  return technique / (technique + light * t.nearCamera(i) + t.x[t.k].fromCamera * t.hits());
+  const double shadowRays = t.shadowRays(), light = t.x[t.k].fromLight;
+  return shadowRays / (shadowRays + light * t.nearCamera(i) + t.x[t.k].fromCamera * t.hits());
 }
 
 double hitWeight(const WeightedPath& path) {
@@ -84,8 +84,8 @@ double hitWeight(const WeightedPath& path) {
 
 double mergeWeight(const WeightedPath& path, size_t i) {
   const Techniques t(path);
-  const double technique = t.x[i].merges * t.x[i].fromLight;
-  return technique / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
+  const double merge = t.x[i].merges * t.x[i].fromLight;
+  return merge / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
 }
 
 void countMerges(const WeightedPath& path) {

@@ -97,10 +97,10 @@ class MergeRatio {
  * photons have all the weight long before. */
 inline float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
 
-/** MIS weight of a merged photon. `pdf`: density with which the BSDF samples its direction [1/sr]; `rest`:
- * weight of photons whose ratio is not above 0. */
-inline float photonWeight(float reverseRatio, float merging, float pdf, float rest) {
-  return reverseRatio > 0 ? merging / std::max(merging + reverseRatio * pdf, FLT_MIN) : rest;
+/** MIS weight of a merged photon. `pdf`: density with which the BSDF samples its direction [1/sr];
+ * `unknownWeight`: weight of photons whose ratio is not above 0. */
+inline float photonWeight(float reverseRatio, float merging, float pdf, float unknownWeight) {
+  return reverseRatio > 0 ? merging / std::max(merging + reverseRatio * pdf, FLT_MIN) : unknownWeight;
 }
 
 } // namespace recurse

@@ -38,9 +38,9 @@ struct Image {
 /** `picture` with the channels and metadata of `more`, an image of the same size, after its own. */
 Image withChannels(const Image& picture, const Image& more);
 
-/** Indices of R, G and B, else of those of the first layer NAME.R, NAME.G, NAME.B, else three times of the
- * only channel besides alpha; then of all other channels. Throws Error naming the file when it has none of
- * these. */
+/** Indices of the colour channels, then of all other channels. Colour channels are R, G and B; without them
+ * NAME.R, NAME.G and NAME.B of the first layer that has these; else the only channel besides alpha, three
+ * times. Throws Error naming the file when there are none. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */

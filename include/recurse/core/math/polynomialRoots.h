@@ -70,8 +70,8 @@ void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resol
   isolateRoots<DEGREE>(right, middle, high, resolution, visit);
 }
 
-/** Root of f in [low, high], where f changes its sign, by the Illinois method; else the end nearer to zero.
- */
+/** Root of f in [low, high] by the Illinois method. If f has the same sign at both ends, due to rounding, the
+ * result is the end with the smaller |f|. */
 template <class F> double refineRoot(const F& f, double low, double high) {
   double fLow = f(low), fHigh = f(high);
   if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // due to rounding

@@ -58,8 +58,8 @@ std::string photonExpression(const PathClasses& classes, const std::vector<Store
  * Estimates the irradiance E = π L / ρ at Lambertian surfaces of albedo ρ from the radiance L of `samples`
  * camera rays through the middle of each pixel. `integrator`: prepared, and after its forward pass.
  * `classes`: one class, of the paths from the light to the camera that count. Pixels are left out whose first
- * surface is not Lambertian, has other lobes, a bump or normal map, or a black channel. Scenes that move, or
- * have media or thin panes, have no points: there this light is not that of the photons.
+ * surface is not Lambertian, has other lobes, a bump or normal map, or a black channel. The list is
+ * empty for scenes with motion, media or thin panes, where photons carry other light than these paths.
  */
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,

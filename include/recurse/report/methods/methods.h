@@ -19,7 +19,7 @@ struct MethodResult {
   std::string suppositions;                ///< assumptions about these paths, in words; empty: none
   std::string failure;                     ///< reason for a missing picture, in words; empty: there is one
   double seconds = 0, samplesPerPixel = 0; ///< seconds: time of the render [s]
-  Stills stills;                           ///< by the classes of the report
+  Stills stills;                           ///< layers of the report's classes
 
   // Set by measureMethod():
   Image picture;
