@@ -19,9 +19,9 @@ namespace {
 /** Rate of formats that do not state one, as Assimp assumes [ticks/second]. */
 constexpr double USUAL_TICKS_PER_SECOND = 25;
 
-double ticksOf(const AnimationTime& time) {
-  const double rate = time.animation->mTicksPerSecond;
-  return time.seconds * (rate > 0 ? rate : USUAL_TICKS_PER_SECOND);
+double ticksAt(const aiAnimation& animation, double seconds) {
+  const double rate = animation.mTicksPerSecond;
+  return seconds * (rate > 0 ? rate : USUAL_TICKS_PER_SECOND);
 }
 
 double fractionBetween(double start, double end, double time) {
@@ -92,12 +92,10 @@ AssimpPose::AssimpPose(const aiScene& scene, const Mat4d& world, const std::opti
                        const GltfDetails* gltf)
     : scene(scene), isPosed(time.has_value()), gltf(gltf) {
   if (time && time->animation) {
-    const aiAnimation& animation = *time->animation;
+    animationIndex = time->animation;
+    const aiAnimation& animation = *scene.mAnimations[*animationIndex];
     // Assimp's keyframes of glTF have these roundings.
-    ticks = gltf ? double(static_cast<float>(time->seconds) * 1000.F) : ticksOf(*time);
-    animationIndex = static_cast<size_t>(
-        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation) -
-        scene.mAnimations);
+    ticks = gltf ? double(static_cast<float>(time->seconds) * 1000.F) : ticksAt(animation, time->seconds);
     for (unsigned i = 0; i < animation.mNumChannels; ++i)
       channels[animation.mChannels[i]->mNodeName.C_Str()] = animation.mChannels[i];
     for (unsigned i = 0; i < animation.mNumMorphMeshChannels; ++i)
@@ -115,7 +113,9 @@ void AssimpPose::place(const aiNode& node, const Mat4d& parent) {
 }
 
 const GltfAnimation* AssimpPose::gltfAnimation() const {
-  return gltf && animationIndex < gltf->animations.size() ? &gltf->animations[animationIndex] : nullptr;
+  return gltf && animationIndex && *animationIndex < gltf->animations.size()
+             ? &gltf->animations[*animationIndex]
+             : nullptr;
 }
 
 bool AssimpPose::isStep(const std::string& node, const char* property) const {

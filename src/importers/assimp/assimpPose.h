@@ -14,7 +14,6 @@
 #include "recurse/core/math/vector.h"
 #include "recurse/model/mesh/triangleMesh.h"
 
-struct aiAnimation;
 struct aiMesh;
 struct aiMeshMorphAnim;
 struct aiNode;
@@ -25,7 +24,7 @@ namespace recurse {
 
 /** Time of an animation, limited to the keyframes of each of its channels. */
 struct AnimationTime {
-  const aiAnimation* animation = nullptr; ///< null: the model has none
+  std::optional<unsigned> animation; ///< index in the scene; none: the model has no animation
   double seconds = 0;
 };
 
@@ -67,7 +66,7 @@ class AssimpPose {
   const aiScene& scene;
   const bool isPosed;
   const GltfDetails* const gltf;
-  size_t animationIndex = 0;
+  std::optional<unsigned> animationIndex;
   double ticks = 0;
   std::map<std::string, const aiNodeAnim*> channels;           ///< by name of the node
   std::map<std::string, const aiMeshMorphAnim*> morphChannels; ///< by name of the node

@@ -58,21 +58,19 @@ class AssimpSceneImport {
 
   // ---- animation
 
-  std::string nameOf(const aiAnimation& animation) const {
-    const std::string name = animation.mName.C_Str();
-    const auto* const number =
-        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, &animation);
-    return name.empty() ? "animation " + std::to_string(number - scene.mAnimations + 1) : name;
+  std::string animationName(unsigned index) const {
+    const std::string name = scene.mAnimations[index]->mName.C_Str();
+    return name.empty() ? "animation " + std::to_string(index + 1) : name;
   }
 
   /** Sets the animation and time that the parameters choose; none without them. */
   void chooseTime() {
     if (!wantsPose(p)) return;
-    time = AnimationTime{nullptr, p.has("time") ? p.real("time") : 0};
+    time = AnimationTime{std::nullopt, p.has("time") ? p.real("time") : 0};
     std::string names;
     for (unsigned i = 0; i < scene.mNumAnimations && !time->animation; ++i) {
-      const std::string name = nameOf(*scene.mAnimations[i]);
-      if (!p.has("animation") || name == p.string("animation")) time->animation = scene.mAnimations[i];
+      const std::string name = animationName(i);
+      if (!p.has("animation") || name == p.string("animation")) time->animation = i;
       names += (names.empty() ? "" : ", ") + sceneText(name);
     }
     if (!time->animation) reportMissingAnimation(p, path, names);
@@ -85,12 +83,9 @@ class AssimpSceneImport {
       p.warn("time", path + ": nodes show the mesh " + sceneText(mesh) +
                          " with different skins or without; Assimp 5.2 reads one of them, and the other "
                          "nodes are left out");
-    const auto index = static_cast<size_t>(
-        std::find(scene.mAnimations, scene.mAnimations + scene.mNumAnimations, time->animation) -
-        scene.mAnimations);
-    if (!time->animation || index >= gltf->animations.size()) return;
-    const std::string name = "animation " + sceneText(nameOf(*time->animation));
-    const GltfAnimation& animation = gltf->animations[index];
+    if (!time->animation || *time->animation >= gltf->animations.size()) return;
+    const std::string name = "animation " + sceneText(animationName(*time->animation));
+    const GltfAnimation& animation = gltf->animations[*time->animation];
     if (!animation.misread.empty()) fail(name + ": " + animation.misread);
     if (animation.hasSplines())
       p.warn("time", path + ": " + name + ": its CUBICSPLINE keyframes are interpolated linearly");
@@ -316,10 +311,11 @@ class AssimpSceneImport {
     for (const ImportedCamera& camera : import.cameras) taken.push_back("camera \"" + camera.name + "\"");
     add(left, materialsWanted ? 0 : scene.mNumMaterials, "material", "materials");
     add(left, lightsWanted ? 0 : scene.mNumLights, "light", "lights");
-    const aiAnimation* played = time ? time->animation : nullptr;
-    if (played)
-      taken.push_back("animation " + sceneText(nameOf(*played)) + " at " + sceneText(time->seconds) + " s");
-    add(left, scene.mNumAnimations - (played ? 1 : 0), "animation", "animations");
+    const bool isPlayed = time && time->animation;
+    if (isPlayed)
+      taken.push_back("animation " + sceneText(animationName(*time->animation)) + " at " +
+                      sceneText(time->seconds) + " s");
+    add(left, scene.mNumAnimations - (isPlayed ? 1 : 0), "animation", "animations");
     add(left, unusedSkeletons, "mesh's bones", "meshes' bones");
     add(left, colouredMeshes, "mesh's vertex colours", "meshes' vertex colours");
     add(left, unknownLights, "light of an unsupported kind, or black",
