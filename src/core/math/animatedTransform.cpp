@@ -43,7 +43,7 @@ Mat4d AnimatedTransform::at(double time) const {
 int AnimatedTransform::linearParts() const {
   if (!animated) return 1;
   const double half = std::acos(std::min(1.0, glm::dot(parts[0].rotation, parts[1].rotation)));
-  // A chord of angle a stays within a²/8 of its arc; a² / 4 also covers a stretch that changes with time.
+  // A chord of angle a stays within a²/8 of its arc. A stretch that changes with time is not covered.
   constexpr double PART = 0.025; // [rad]
   return 1 + static_cast<int>(2 * half / PART);
 }

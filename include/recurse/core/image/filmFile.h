@@ -14,19 +14,21 @@ namespace recurse {
 bool isFilmFormat(const std::string& fileName);
 
 /** Throws Error when a film could not be written there: an extension other than .png .apng .mp4, no ffmpeg
- * for .mp4, or as checkFileWritable(). Called before a long render. */
+ * in the PATH for .mp4 (both BAD_USAGE), or as checkFileWritable(). Called before a long render. */
 void checkFilmWritable(const std::string& fileName);
 
 /** Film in memory, one PNG for each frame, until write(). */
 class FilmFile {
  public:
+  /** `framesPerSecond`: see animatedPng(). */
   FilmFile(std::string fileName, double framesPerSecond)
       : fileName(std::move(fileName)), framesPerSecond(framesPerSecond) {}
 
   /** Adds a picture of R, G and B, encoded for the display, in [0, 1]. Throws Error if its size differs from
    * the first one's. */
   void add(const Image& encoded);
-  /** Writes the film, by its extension. It appears under its name only when it is complete. Throws Error. */
+  /** Writes the film: MP4 for .mp4, else animated PNG. It appears under its name only when it is complete.
+   * Throws Error without frames, and where ffmpeg fails. */
   void write() const;
 
  private:
@@ -37,7 +39,8 @@ class FilmFile {
 };
 
 /** Animated PNG (PNG specification, third edition, section 11.3.6) of PNG files with equal headers, which is
- * repeated without end. */
+ * repeated without end. Rates that are not whole are rounded to 1/100; from 0.01 to 655 they fit the format.
+ * Throws Error without frames, and for unequal headers. */
 std::vector<unsigned char> animatedPng(const std::vector<std::vector<unsigned char>>& frames,
                                        double framesPerSecond);
 

@@ -12,7 +12,8 @@
 
 namespace recurse {
 
-/** Float pixels, row by row from the top, channels interleaved. */
+/** Float pixels, row by row from the top, channels interleaved; linear light unless a function says that it
+ * is encoded. Coordinates are from the upper left pixel, and not checked. */
 struct Image {
   int width = 0, height = 0;
   std::vector<std::string> channels; ///< names: R, G, B, or with layers direct.R and so on
@@ -29,18 +30,20 @@ struct Image {
   }
   /** Index of a channel; -1 when there is none of that name. */
   int channel(const std::string& name) const;
+  /** Colour of a pixel: its first three channels, of at least three. */
   Rgb rgb(int x, int y) const {
     const float* p = at(x, y);
     return {p[0], p[1], p[2]};
   }
 };
 
-/** `picture` with the channels and metadata of `more`, an image of the same size, after its own. */
+/** `picture`, followed by the channels of `more`, an image of the same size. Metadata are those of both;
+ * where names are equal, those of `picture`. */
 Image withChannels(const Image& picture, const Image& more);
 
-/** Indices of the colour channels, then of all other channels. Colour channels are R, G and B; without them
- * NAME.R, NAME.G and NAME.B of the first layer that has these; else the only channel besides alpha, three
- * times. Throws Error naming the file when there are none. */
+/** Indices of the three colour channels, then of all other channels. Colour channels are R, G and B, in
+ * either case; without them NAME.R, NAME.G and NAME.B of the first layer that has these; else the only
+ * channel besides A, three times. Throws Error naming the file when there are none. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
@@ -48,12 +51,14 @@ float linearFromSrgb(float encoded);
 /** sRGB encoding of linear light: the inverse of linearFromSrgb(). */
 float srgbFromLinear(float linear);
 
-/** Reads any format that OpenImageIO supports; integers are decoded from sRGB, except alpha and files
- * declared linear. Throws Error naming the file and the reason. */
+/** Reads any format that OpenImageIO supports, and PCX. Channels are in channelOrder(), a grey one as R, G
+ * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours of formats with
+ * unassociated alpha, such as PNG, are multiplied by it before they are decoded. Throws Error naming the file
+ * and the reason. */
 Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {
-  float exposure = 0;   ///< [stops], applied to display formats only
+  float exposure = 0;   ///< [stops], applied to display formats only, unless `encoded`
   bool encoded = false; ///< true: the values are display-encoded already, in [0, 1]; for display formats only
 };
 
@@ -63,8 +68,8 @@ bool isDisplayFormat(const std::string& fileName);
 
 /**
  * Writes by extension: .exr (float, all channels), .hdr .pfm (linear RGB), .png .jpg .jpeg .tif .tiff (8 bit
- * sRGB of R, G, B). The file appears under its name only when it is complete. Throws Error naming file and
- * reason.
+ * sRGB). RGB are the first three channels, or the only one three times. The file appears under its name only
+ * when it is complete. Throws Error naming file and reason.
  */
 void writeImage(const std::string& fileName, const Image& image, const ImageWriteOptions& options = {});
 

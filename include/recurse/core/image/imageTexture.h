@@ -13,13 +13,14 @@
 
 namespace recurse {
 
-/** Encoding of the values of integer formats; floating-point formats are linear. */
+/** Encoding of the values of integer formats, alpha included; floating-point formats are linear. */
 struct ImageEncoding {
   enum class Kind { SRGB, LINEAR, GAMMA } kind = Kind::SRGB;
   float gamma = 1; ///< for GAMMA: light = value^gamma
 };
 
-/** Channels of a file that a texture uses: its colours, or one channel alone. */
+/** Channels of a file that a texture uses: its colours, or one channel alone. Colours of formats with
+ * unassociated alpha, such as PNG, are multiplied by it. */
 enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {
@@ -29,16 +30,22 @@ struct ImageTextureSettings {
     TRILINEAR, ///< bilinear, and interpolated between two levels
     EWA,       ///< samples along the longer axis of the footprint, at the level of the shorter one
   };
-  enum class Wrap { REPEAT, BLACK, CLAMP, OCTAHEDRAL };
+  /** Value outside of the image. */
+  enum class Wrap {
+    REPEAT,
+    BLACK,
+    CLAMP,      ///< that of the nearest pixel
+    OCTAHEDRAL, ///< continued across the edges of an octahedral map of the sphere; see equalAreaSquare.h
+  };
   Filter filter = Filter::BILINEAR;
   Wrap wrap = Wrap::REPEAT;
-  float mostAnisotropy = 8; ///< ratio of the longer to the shorter axis at most, for EWA
+  float mostAnisotropy = 8; ///< maximum ratio of the longer to the shorter axis, for EWA; rounded down, >= 1
   ImageChannels channels = ImageChannels::COLOURS;
   bool levels = true; ///< false: always the finest level
 };
 
 /** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it, at least
- * 16 MiB, holds decoded tiles in use; half holds the pixels of files and their coarser levels, and what
+ * 16 MiB, holds decoded tiles in use; the rest holds the pixels of files and their coarser levels, and what
  * exceeds it goes to temporary files. Defaults: 1 GiB of tiles, and no limit for the pixels. */
 void setTextureMemory(double bytes);
 
@@ -50,7 +57,7 @@ std::pair<size_t, size_t> textureMemory();
 class ImageTexture {
  public:
   /** Reads the whole file. Throws Error naming the file and the reason: missing, broken, not finite, no
-   * colours. */
+   * colours, no alpha. */
   ImageTexture(const FileReference& file, const ImageEncoding& encoding,
                const ImageTextureSettings& settings);
   ~ImageTexture();

@@ -10,7 +10,8 @@ namespace recurse {
 
 /**
  * File that is written under a temporary name in the folder of its target and renamed to the target by
- * commit(). Without a commit the temporary file is removed and an existing target stays unchanged. Targets
+ * commit(), after which nothing can be written. Without a commit the temporary file is removed and an
+ * existing target stays unchanged. Links are followed, and an existing target keeps its permissions. Targets
  * that are not regular files (/dev/stdout, a terminal, /dev/null) are written directly. Every function throws
  * Error naming the target and the reason.
  */

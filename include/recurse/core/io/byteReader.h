@@ -34,6 +34,7 @@ class ByteReader {
     return bytes.substr(offset, count);
   }
 
+  /** Reads a number. Throws Error naming `what` beyond the end, or where it is not finite. */
   template <class T> T at(uint64_t offset, const char* what) const {
     static_assert(std::is_arithmetic_v<T>);
     T value;
@@ -52,7 +53,7 @@ class ByteReader {
     return static_cast<uint64_t>(value);
   }
 
-  /** Reads a name that ends at a zero byte, or with the field of `length` bytes. */
+  /** Reads a name from a field of `length` bytes: up to a zero byte, or the whole field. */
   std::string text(uint64_t offset, uint64_t length, const char* what) const {
     const std::string_view field = part(offset, length, what);
     return std::string(field.substr(0, field.find('\0')));

@@ -32,8 +32,8 @@ struct SourceText {
 /** Location in a scene file; without a source, the location of a default or of a command-line option. */
 struct SourceLocation {
   std::shared_ptr<const SourceText> source;
-  int line = 0;   ///< from 1
-  int column = 0; ///< from 1, in bytes
+  int line = 0;   ///< from 1; 0: the whole file
+  int column = 0; ///< from 1, in bytes; 0: unknown
   /** The whole line of the location, without its end; empty without a source. */
   std::string lineText() const;
 };
@@ -50,7 +50,8 @@ struct Diagnostic {
   std::string format() const;
 };
 
-/** Collection of diagnostics, so that one run reports all errors. Messages are cut to 600 characters. */
+/** Collection of diagnostics, so that one run reports all errors. Messages of more than 600 bytes, and lists
+ * of accepted values of more than 4000, lose their middle. */
 class Diagnostics {
  public:
   void error(const SourceLocation& where, const std::string& message, const std::string& accepted = {});
@@ -58,7 +59,8 @@ class Diagnostics {
   bool hasErrors() const { return errorCount > 0; }
   size_t errors() const { return errorCount; }
   const std::vector<Diagnostic>& all() const { return list; }
-  /** All diagnostics in the order of reporting, on lines of their own; equal ones appear once, counted. */
+  /** All diagnostics in the order of reporting, on lines of their own; those that differ only in their
+   * locations appear once, with the further locations. */
   std::string format() const;
   /** Throws a SceneError with all collected diagnostics when at least one of them is an error. */
   void throwIfErrors() const;
@@ -81,7 +83,8 @@ class SceneError : public Error {
   std::vector<Diagnostic> list;
 };
 
-/** Up to `most` of `names`: ones that `wrong` misspells, nearest first, then longer ones that contain it. */
+/** Up to `most` of `names`, regardless of case: ones that `wrong` misspells, nearest first, then longer ones
+ * that contain it. */
 std::vector<std::string> nearestNames(const std::string& wrong, const std::vector<std::string>& names,
                                       size_t most = 3);
 

@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** Lock of a file against other processes: a file beside it whose name ends in ".lock", which is removed with
- * the lock. A process that is killed leaves that file, but no lock. */
+/** Lock of a file against other FileLocks, of any process: a file beside it whose name ends in ".lock", which
+ * is removed with the lock. A process that is killed leaves that file, but no lock. */
 class FileLock {
  public:
   /** Throws Error where another FileLock has the lock, or no lock can be had. */

@@ -12,22 +12,24 @@
 namespace recurse {
 
 /**
- * Affine matrix for every time in [0, 1], interpolated between a start and an end matrix. Each is decomposed
- * into a translation, a rotation and a remaining stretch (Shoemake and Duff 1992, "Matrix Animation and Polar
- * Decomposition"). Rotations are slerped on the shortest path; translation and stretch change linearly.
+ * Affine matrix for every time in [0, 1], interpolated between a start and an end matrix; constant before and
+ * after. Each of the two is decomposed into a translation, a rotation and a remaining stretch (Shoemake and
+ * Duff 1992, "Matrix Animation and Polar Decomposition"). Rotations are slerped on the shortest path;
+ * translation and stretch change linearly.
  */
 class AnimatedTransform {
  public:
   /** A constant transform. */
   AnimatedTransform(const Mat4d& fixed = Mat4d(1)) : first(fixed), last(fixed) {}
+  /** `start` and `end`, if they differ, must be invertible. */
   AnimatedTransform(const Mat4d& start, const Mat4d& end);
 
   bool moves() const { return animated; }
   const Mat4d& start() const { return first; }
   const Mat4d& end() const { return last; }
   Mat4d at(double time) const;
-  /** Number of equal time intervals within which interpolating matrices linearly is accurate to 1e-4 of the
-   * size of the transformed objects. */
+  /** Number of equal time intervals, 1 to 126, within which interpolating matrices linearly is accurate to
+   * 1e-4 of the size of the transformed objects, if the stretch is constant. */
   int linearParts() const;
   /** The transform followed by a translation, rotation or uniform scaling m: m times this. */
   AnimatedTransform after(const Mat4d& m) const {
@@ -47,15 +49,17 @@ class AnimatedTransform {
   Parts parts[2];
 };
 
-/** Matrices at equally spaced times from 0 to 1, linearly interpolated in between, as Embree does. */
+/** Matrices at equally spaced times from 0 to 1, linearly interpolated in between, as Embree does. Times are
+ * in [0, 1]. */
 class MatrixTrack {
  public:
   /** A constant transform. */
   MatrixTrack(const Mat4d& fixed) : start(fixed), matrices{fixed} {}
+  /** `steps` must not be empty. */
   explicit MatrixTrack(const std::vector<Mat4d>& steps);
 
   bool moves() const { return matrices.size() > 1; }
-  const Mat4d& first() const { return start; }
+  const Mat4d& first() const { return start; } ///< matrix at time 0, not rounded
   const std::vector<Mat4d>& steps() const { return matrices; }
   Mat4d at(float time) const;
 

@@ -23,6 +23,7 @@ struct Cone {
   bool contains(const Vec3f& direction) const { return lengthSquared(direction - axis) <= 2 * opening; }
   /** Density of uniform directions within the cone [1/sr]. */
   float pdf() const { return 1 / (2 * PI * opening); }
+  /** Samples a unit direction with density pdf(), by u in [0, 1)². */
   Vec3f sample(const Vec2f& u) const { return Frame(axis).toWorld(uniformCone(u, opening)); }
 };
 

@@ -28,7 +28,7 @@ struct Float4 {
   Float4() = default;
   Float4(float x) : v{x, x, x, x} {}
   Float4(float x, float y, float z, float w) : v{x, y, z, w} {}
-  /** Loads 4 floats from a 16-byte boundary. */
+  /** Loads 4 floats from a 16-byte boundary; store() needs one too. */
   static Float4 load(const float* p) { return {p[0], p[1], p[2], p[3]}; }
   void store(float* p) const { std::copy(v, v + 4, p); }
 
@@ -48,7 +48,7 @@ struct Float8 {
 
   Float8() = default;
   Float8(float x) { std::fill(v, v + 8, x); }
-  /** Loads 8 floats from a 32-byte boundary. */
+  /** Loads 8 floats from a 32-byte boundary; store() needs one too. */
   static Float8 load(const float* p) {
     return eachLane([&](int i) { return p[i]; });
   }
@@ -76,7 +76,7 @@ struct Float8 {
     return eachLane([&](int i) { return fromBits(toBits(a.v[i]) & toBits(b.v[i])); });
   }
   Float8& operator+=(const Float8& b) { return *this = *this + b; }
-  /** Smaller number of each lane; b where either is NaN, or where both are zero. */
+  /** Smaller number of each lane; b where either is NaN, or where both are zero; likewise max(). */
   friend Float8 min(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
   }
@@ -116,6 +116,7 @@ struct Float8 {
   friend Float8 fromNextLane(const Float8& a) {
     return eachLane([&](int i) { return a.v[std::min(i + 1, 7)]; });
   }
+  /** Smallest of the lanes; unspecified where one is NaN. */
   friend float least(const Float8& a) {
     const Float4 four = min(Float4::load(a.v), Float4::load(a.v + 4));
     const float even = four.v[0] < four.v[2] ? four.v[0] : four.v[2];

@@ -18,8 +18,8 @@ template <class F> double gauss7(const F& f, double a, double b) {
   return sum * half;
 }
 
-/** Adaptive quadrature: halves [a, b] until the sum of both differs from `whole`, gauss7() of [a, b], by at
- * most `tolerance`, or `depth` + 1 times. */
+/** Adaptive quadrature: halves [a, b] until the sum of both halves differs from `whole`, gauss7() of [a, b],
+ * by at most `tolerance` (absolute, and half as much in each half), or `depth` + 1 times. */
 template <class F>
 double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
   const double middle = 0.5 * (a + b);

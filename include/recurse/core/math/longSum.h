@@ -9,7 +9,7 @@ namespace recurse {
  * Sum as an unevaluated pair of doubles (Dekker 1971; two-sum by Knuth, TAOCP 2, 4.2.2), which holds 106
  * bits. Floats, products of two floats and squares of floats have at most 48 bits. Their sums are exact, and
  * hence the same for any order and grouping, while n times the largest of n terms is less than 2^58 times the
- * smallest; beyond that they agree to a relative 2^-104.
+ * smallest that is not zero; beyond that, each addition is rounded by at most 2^-103 of its larger operand.
  */
 class LongSum {
  public:

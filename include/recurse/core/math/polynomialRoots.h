@@ -13,7 +13,7 @@ namespace recurse {
 /** Coefficients of Bernstein polynomials over an interval. */
 template <size_t DEGREE> using BernsteinForm = std::array<double, DEGREE + 1>;
 
-/** Converts powers of x to the Bernstein form over x in [low, high]. */
+/** Converts a polynomial, powers[k] times x^k, to the Bernstein form over x in [low, high]. */
 template <size_t DEGREE>
 BernsteinForm<DEGREE> bernsteinForm(const std::array<double, DEGREE + 1>& powers, double low, double high) {
   // Taylor's expansion at `low` by Horner's scheme, in units of the interval.
@@ -52,8 +52,9 @@ template <size_t DEGREE> double bernsteinValue(BernsteinForm<DEGREE> b, double f
 }
 
 /**
- * Calls visit(low, high, isRising) in ascending order for intervals with one sign change each. Two roots that
- * are closer to each other than `resolution` may both be omitted. Zero counts as positive.
+ * Calls visit(low, high, isRising) in ascending order for parts of [low, high], the interval of `b`, with one
+ * sign change each. Two roots that are closer to each other than `resolution` may both be omitted. Zero
+ * counts as positive.
  */
 template <size_t DEGREE, class Visit>
 void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resolution, const Visit& visit) {

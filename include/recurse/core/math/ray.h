@@ -9,9 +9,9 @@ namespace recurse {
 
 struct Ray {
   Vec3f origin;
-  Vec3f direction; ///< unit length
-  float tMax = INFINITE;
-  float time = 0; ///< in [0, 1] from the scene's first transforms to its last; see TransformTimes
+  Vec3f direction;       ///< unit length
+  float tMax = INFINITE; ///< length of the ray [scene units]
+  float time = 0;        ///< in [0, 1] from the start to the end that the directive TransformTimes gives
 
   Vec3f at(float t) const { return origin + direction * t; }
 };
