@@ -20,12 +20,14 @@ class Distribution2d {
 
   /** Zero density. */
   Distribution2d() = default;
-  /** Density in proportion to `corners`: (width + 1) · (height + 1) finite values >= 0, row by row. */
+  /** Density in proportion to `corners`: (width + 1) · (height + 1) finite values >= 0, row by row from y =
+   * 0; width and height at least 1. */
   Distribution2d(int width, int height, const std::vector<double>& corners);
 
   bool empty() const { return !(total > 0); }
   /** Samples by inversion: nearby u in [0, 1)² give nearby points. */
   Sample sample(const Vec2d& u) const;
+  /** Density of sample() at a point; outside of the square, that of the nearest point of it. */
   double pdf(const Vec2d& at) const;
 
  private:
@@ -55,12 +57,13 @@ class WindowedDistribution2d {
 
   /** Zero density. */
   WindowedDistribution2d() = default;
-  /** Density in proportion to width · height finite values of at least 0, row by row. */
+  /** Density in proportion to width · height finite values >= 0, row by row from y = 0; width and height at
+   * least 1. */
   WindowedDistribution2d(int width, int height, const std::vector<double>& cells);
 
   /** Sum over a window, relative to the largest cell; 0: empty, black, or less than 1e-12 of the whole. */
   double sum(const Window& window) const;
-  /** Samples a point of a window whose sum is above 0. */
+  /** Samples a point of a window whose sum is above 0, by u in [0, 1)². */
   Vec2d sample(const Window& window, const Vec2d& u) const;
   /** Density of sample() at a point of a window whose sum is `total`. */
   double pdf(double total, const Vec2d& at) const;

@@ -10,8 +10,8 @@
 
 namespace recurse {
 
-/** Element 0 <= i < n of a pseudo-random permutation, 1 <= n <= 2^31: a bijection of the smallest power of
- * two that is not below n, repeated until the element is below n. */
+/** Element 0 <= i < n of a pseudo-random permutation of [0, n), 1 <= n <= 2^31: a bijection of the smallest
+ * power of two that is not below n, repeated until the element is below n. */
 constexpr uint32_t permutedElement(uint32_t i, uint32_t n, uint64_t seed) {
   const uint32_t mask = std::bit_ceil(n) - 1;
   const int shift = std::max(1, static_cast<int>(std::bit_width(mask)) / 2);

@@ -56,14 +56,15 @@ class SamplePoints {
   static constexpr unsigned PAIRS = 4;
   using Pairs = std::array<uint32_t, PAIRS>;
 
-  /** Sets numbers[i] and numbers[PAIRS + i] to the pair of dimensions `first + i` of a sample, in [0, 1). */
+  /** Sets numbers[i] and numbers[PAIRS + i], for i < PAIRS, to the two dimensions of pair `first + i` of
+   * sample `index`, in [0, 1). `key` and `index` are those given to the Sampler, or of a fork. */
   virtual void fill(uint64_t key, uint32_t index, uint32_t first, float* numbers) const = 0;
 
   /** Hash of a pair of dimensions, independent for each key and each pair. */
   static constexpr uint64_t pairHash(uint64_t key, uint32_t pair) {
     return mixBits(key + 0x9e3779b97f4a7c15ull * (pair + uint64_t(1)));
   }
-  /** Fills `numbers` with Owen-scrambled Sobol' points; their indices have their bits reversed. */
+  /** Fills `numbers`, as fill() does, with Owen-scrambled Sobol' points of indices with reversed bits. */
   static void fillSobol(const Pairs& reversedIndices, const Pairs& seeds, float* numbers);
 };
 
@@ -75,11 +76,11 @@ class Sampler {
   Sampler(uint64_t seed, uint64_t stream, uint32_t index)
       : key(hashCombine(mixBits(seed), stream)), reversedIndex(reverseBits(index)) {}
 
-  /** Sample `index` of the points of a plug-in, which must outlive it. */
+  /** Sample `index` of the sequence `key` of the points of a plug-in, which must outlive the sampler. */
   Sampler(const SamplePoints& points, uint64_t key, uint32_t index)
       : key(key), reversedIndex(reverseBits(index)), points(&points) {}
 
-  /** Next sample in [0, 1). */
+  /** Next sample in [0, 1), the first of a pair. */
   float next1D() { return numbers[next()]; }
   /** Next sample in [0, 1)². */
   Vec2f next2D() {
@@ -107,7 +108,7 @@ class Sampler {
 
   uint64_t key;
   uint32_t reversedIndex;
-  uint32_t dimension = 0;
+  uint32_t dimension = 0;               ///< number of pairs of dimensions used
   float numbers[2 * AT_ONCE];           ///< valid where dimension % AT_ONCE > 0
   const SamplePoints* points = nullptr; ///< null: Sobol' points
 };

@@ -1,5 +1,5 @@
 /** @file
- * Warps of uniform samples to discs, spheres and cones.
+ * Warps of uniform samples, u in [0, 1)², to discs, spheres and cones.
  */
 #pragma once
 
@@ -55,8 +55,8 @@ inline Vec3f cosineHemisphere(const Vec2f& u) {
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
-/** Uniform direction in a cone around +z with density 1 / (2π opening) [1/sr]; `opening` is 1 − the cosine of
- * the half-angle. */
+/** Uniform direction in a cone around +z with density 1 / (2π opening) [1/sr]; `opening`, in (0, 2], is 1 −
+ * the cosine of the half-angle. */
 inline Vec3f uniformCone(const Vec2f& u, float opening) {
   const float below = u.x * opening, r = std::sqrt(below * (2 - below)), phi = 2 * PI * u.y;
   return {r * std::cos(phi), r * std::sin(phi), 1 - below};

@@ -33,8 +33,8 @@ class InterruptibleWork {
   const std::atomic<bool>* const before;
 };
 
-/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes call it before each ray,
- * parallelFor() before each iteration. */
+/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes call it before each ray or packet
+ * of rays, parallelFor() before each iteration. */
 inline void checkInterrupted() {
   const std::atomic<bool>* flag = InterruptibleWork::flag();
   if (flag && flag->load(std::memory_order_relaxed)) throw Interrupted();

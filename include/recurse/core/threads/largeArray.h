@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** Storage for n objects that are not constructed, kept for reuse; large arrays use huge pages. */
+/** Storage for objects that are not constructed, kept for reuse; large arrays use huge pages. */
 template <class T> class LargeArray {
  public:
   LargeArray() = default;
@@ -25,8 +25,10 @@ template <class T> class LargeArray {
   T* data() const { return room.get(); }
   T& operator[](size_t i) const { return room.get()[i]; }
   size_t bytes() const { return capacity * sizeof(T); }
+  /** Number of objects that there is room for. */
   size_t size() const { return capacity; }
-  /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. */
+  /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. Throws
+   * std::bad_alloc. */
   void reserve(size_t n, bool keep = false);
 
  private:
@@ -36,7 +38,8 @@ template <class T> class LargeArray {
   std::unique_ptr<T, Release> room;
   size_t capacity = 0;
 };
-/** Allocates memory on a 64-byte boundary, on huge pages where it is large. Rounds `bytes` up. */
+/** Allocates memory on a 64-byte boundary, on huge pages from 2 MiB on; std::free() releases it. Rounds
+ * `bytes` up. Throws std::bad_alloc. */
 void* allocateLarge(size_t& bytes);
 
 template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {

@@ -13,8 +13,9 @@ namespace recurse {
 void setThreadFloatMode();
 
 /**
- * Worker threads, during the lifetime of the pool: at most `threads` of them (0: one for each core that this
- * process may use), each with the float mode above. At most one pool exists at a time.
+ * Worker threads, during the lifetime of the pool: at most `threads` of them, including the thread that calls
+ * parallelFor() (0: one for each core that this process may use), each with the float mode above. At most one
+ * pool exists at a time.
  */
 class ThreadPool {
  public:
@@ -33,8 +34,9 @@ int availableCores();
 /** Number of threads that a parallel loop uses now. */
 int threadCount();
 
-/** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool. Each i may write only to data
- * of its own. Throws Interrupted, see checkInterrupted(), and passes exceptions of `body` on. */
+/** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool, and returns when all are done.
+ * Each i may write only to data of its own. Throws Interrupted, see checkInterrupted(), and passes exceptions
+ * of `body` on. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

@@ -11,12 +11,12 @@ namespace recurse {
 /** Processor time that all threads of the process have used [s]. */
 inline double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
-/** Elapsed time [s]. */
+/** Elapsed time since `start` [s]. */
 inline double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/** Adds the processor time of its lifetime to a sum [s]. */
+/** Adds the processor time of the whole process during its lifetime to a sum [s]. */
 class ProcessorTimer {
  public:
   explicit ProcessorTimer(double& sum) : sum(sum) {}

@@ -12,7 +12,8 @@ namespace recurse {
 void setMemoryLimit(double bytes);
 
 /** Memory that the process can still take [bytes]: the remainder of setMemoryLimit(), else the memory free
- * without swapping; at most the limits of control group and shell; infinite where none is known. */
+ * without swapping; at most the remainder of the limit of addresses set in the shell, and at most the whole
+ * limit of the control group (version 2, at its root), in use or not. Infinite where none is known. */
 double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. Not for up to
@@ -41,8 +42,8 @@ class WorkSum {
   WorkSum* const outer;
 };
 
-/** Scope in which the process gets at most `bytes` more memory, std::bad_alloc beyond: for work of
- * unpredictable needs, such as calls of other libraries. Scopes may be nested. */
+/** Scope in which the process, with all of its threads, gets at most `bytes` more memory, std::bad_alloc
+ * beyond: for work of unpredictable needs, such as calls of other libraries. Scopes may be nested. */
 class MemoryCap {
  public:
   explicit MemoryCap(double bytes);

@@ -15,7 +15,8 @@
 
 namespace recurse {
 
-/** Calls `look` every 20 ms in a thread of its own, from its construction to its destruction. */
+/** Calls `look`, which must not throw, every 20 ms in a thread of its own, from its construction to its
+ * destruction. */
 class Watchdog {
  public:
   explicit Watchdog(std::function<void()> look)
@@ -35,7 +36,8 @@ class Watchdog {
   std::jthread thread;
 };
 
-/** Result of work(), in which checkInterrupted() throws soon after isToEnd() becomes true. */
+/** Result of work(), in which checkInterrupted() throws soon after isToEnd(), called from another thread,
+ * becomes true. A flag of an InterruptibleWork around it has no effect inside. */
 template <class Work> auto interruptibly(const std::function<bool()>& isToEnd, const Work& work) {
   std::atomic<bool> isEnding{false};
   const Watchdog watchdog([&] {
