@@ -58,7 +58,7 @@ struct DeltaScatter {
 
 /** Delta lobes for a given wi: a mirror direction, and one refracted direction for each interface. */
 struct DeltaScatters {
-  static constexpr int MAX_COUNT = 4; ///< makers of materials ensure that there are no more
+  static constexpr int MAX_COUNT = 4; ///< makers of materials ensure this limit; add() drops more
   std::array<DeltaScatter, MAX_COUNT> entries;
   int count = 0;
   void add(const DeltaScatter& d) {
@@ -103,7 +103,8 @@ class Bsdf {
   ~Bsdf() = default; // objects live in an arena that calls no destructors
 };
 
-/** Memory for the BSDFs of one or several points. reset() keeps the allocated blocks. */
+/** Memory for the BSDFs of one or several points, which are valid until reset(). reset() keeps the allocated
+ * blocks. */
 class BsdfArena {
  public:
   template <class T, class... Arguments> const T* make(Arguments&&... arguments) {
@@ -144,12 +145,12 @@ class Material {
   virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
   /** Union of the lobes at all points; determines the features that the scene needs. */
   virtual LobeSet lobes() const = 0;
-  /** Number of directions of smooth refraction at one point. */
+  /** Maximum number of directions of smooth refraction at one point. */
   virtual int refractions() const { return lobes() & REFRACTION ? 1 : 0; }
   /** Priority of nested dielectrics. Above 0: a solid that may overlap others; where solids overlap, only the
    * one of highest priority exists. Its BSDF uses the point's indexOutside. */
   virtual int priority() const { return 0; }
-  /** Refractive index inside of a closed shape, relative to the outside without a priority. */
+  /** Refractive index inside of a closed shape: absolute with a priority, else relative to the outside. */
   virtual float indexInside() const { return 1; }
 
   std::shared_ptr<const SurfaceDetail> detail; ///< applied before bsdfAt; null: none
@@ -165,8 +166,8 @@ class Material {
 /** Arguments of makers of materials besides parameters. */
 struct MaterialContext {
   const TextureLookup& textures;
-  /** Finds a named material, declared before or after; throws SceneError with the location for unknown names
-   * and for cycles. */
+  /** Finds a named material, declared before or after; throws SceneError with the location for unknown names,
+   * for cycles, and for materials that cannot be parts of others. */
   std::function<const Material*(const Parameters&, const std::string& parameter, const std::string& name)>
       material;
 };

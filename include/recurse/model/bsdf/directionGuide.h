@@ -14,7 +14,7 @@ class DirectionGuide {
 
   /** Density of a unit direction [1/sr]; may be zero anywhere if the BSDF is sampled too. */
   virtual float pdf(const Vec3f& direction) const = 0;
-  /** Samples a unit direction and sets `density` to its density [1/sr]. */
+  /** Samples a unit direction by u in [0, 1)², and sets `density` to its pdf(). */
   virtual Vec3f sample(Vec2f u, float& density) const = 0;
   /** Probability of sampling the BSDF, in [0, 1). */
   virtual float bsdfProbability() const = 0;

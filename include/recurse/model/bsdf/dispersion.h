@@ -15,8 +15,8 @@ namespace recurse {
 
 /** Samples a wavelength [nm] from u in [0, 1), with a density in proportion to its colour's magnitude. */
 float sampleWavelength(float u);
-/** RGB weight of a sampled wavelength [nm]: its colour over its density. Its mean over samples is exactly
- * (1, 1, 1); components may be negative. */
+/** RGB weight of a sampled wavelength [nm]: its colour over its density. Its mean over samples is (1, 1, 1);
+ * components may be negative. */
 Rgb wavelengthColour(float wavelength);
 
 /** Refractive index as a function of wavelength [nm]. */
@@ -27,12 +27,13 @@ class DispersiveIndex {
   bool isConstant() const { return constant; }
   float at(float wavelength) const { return static_cast<float>(spectrum.at(double(wavelength))); }
 
-  /** Wavelengths that represent white light, with RGB weights that sum to (1, 1, 1). */
+  /** One of the wavelengths that represent white light. */
   struct Part {
-    float index;
-    Rgb colour;
+    float index; ///< refractive index
+    Rgb colour;  ///< RGB weight
   };
   static constexpr size_t PARTS = 8;
+  /** White light, at the midpoints of PARTS intervals of equal probability; the weights sum to (1, 1, 1). */
   const std::array<Part, PARTS>& parts() const { return whiteParts; }
 
  private:

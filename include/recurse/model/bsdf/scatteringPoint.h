@@ -35,8 +35,11 @@ struct Scatter {
   bool specular() const { return (lobe & DELTA_LOBES) != 0; }
 };
 
+/** BSDF at a surface point, with both normals. Directions are unit, in the world, and point away from the
+ * surface: wi to the previous vertex of the walk, wo to the next one. */
 class ScatteringPoint {
  public:
+  /** The BSDF must outlive it. */
   ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
       : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal), lobeSet(bsdf.lobes()),
         curve(point.curve) {
@@ -170,7 +173,8 @@ class ScatteringPoint {
     return s;
   }
 
-  /** Enumerates all delta steps; the weights are not divided by a selection probability. */
+  /** Enumerates all delta steps, and returns their number; the weights are not divided by a selection
+   * probability. */
   int deltaScatters(const Vec3f& wi, Transport transport,
                     std::array<Scatter, DeltaScatters::MAX_COUNT>& out) const {
     const Vec3f local = frame.toLocal(wi);

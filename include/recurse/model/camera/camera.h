@@ -21,23 +21,24 @@ struct CameraSample {
 
 /** Point on the lens, sampled for a point that the camera may see. */
 struct WiSample {
-  Vec2f film;      ///< image of the point [pixels]; may be outside of the film, within the reach of filters
+  Vec2f film;      ///< image of the point [pixels]; anywhere, since it is not limited to the film
   Vec3f position;  ///< on the lens
   Vec3f direction; ///< unit, from the point to `position`
   float distance;  ///< between the two points [scene units]
   /** Importance W_e of one pixel [1/(length² sr)]: W_e times the cosine at the lens, integrated over the rays
    * of a pixel, is 1. It equals width · height · pdfPosition · pdfDirection / cosine of pdfWe(). */
   float importance;
-  /** Density of `direction` [1/sr]; for a pinhole, its limit for a lens of unit area. Only importance / pdf
-   * matters: times the flux that arrives at the point, the BSDF and the cosine for `direction`, it is the
-   * contribution to the pixel. */
+  /** Density of `direction` [1/sr]; for a pinhole, its limit for a lens of unit area; 1 for a delta
+   * direction. Only importance / pdf matters: times the flux that arrives at the point, the BSDF and the
+   * cosine for `direction`, it is the contribution to the pixel. */
   float pdf;
 };
 
-/** Densities of a camera ray over the whole film, for uniform film and lens samples. */
+/** Densities of a camera ray over the whole film, for uniform film and lens samples. They continue beyond the
+ * borders of the film. */
 struct WePdf {
   float position = 0;  ///< of the origin [1/length²]; 1 where isDeltaPosition()
-  float direction = 0; ///< given the origin [1/sr]; 1 where isDeltaDirection(); 0: not a ray of the camera
+  float direction = 0; ///< given the origin [1/sr]; 1 where isDeltaDirection(); 0: not in front of the camera
 };
 
 struct CameraContext {
@@ -79,20 +80,20 @@ class Camera {
   virtual bool isDeltaPosition() const { return false; }
   /** True where all rays of one time are parallel. */
   virtual bool isDeltaDirection() const { return false; }
-  /** Samples the lens by `lens` in [0, 1)² as seen from a point; empty where no ray of the camera passes
-   * through the point. Visibility is not tested. */
+  /** Samples the lens by `lens` in [0, 1)² as seen from a point; empty where the point is behind the lens.
+   * Neither visibility nor the borders of the film are tested. */
   virtual std::optional<WiSample> sampleWi(const Vec3f& /*point*/, const Vec2f& /*lens*/,
                                            float /*time*/) const {
     return {};
   }
-  /** Densities of a ray in sampleRay(); the ray starts at the camera. */
+  /** Densities in sampleRay() of one of its rays. */
   virtual WePdf pdfWe(const Ray& /*ray*/) const { return {}; }
 
-  /** Ray::time at a fraction, in [0, 1), of the exposure. */
+  /** Ray::time at a fraction, in [0, 1), of the exposure, clamped to [0, 1]. */
   float timeAt(float part) const {
     return std::clamp(shutterOpen + part * (shutterClose - shutterOpen), 0.0f, 1.0f);
   }
-  /** Duration of the exposure; scales the image, as in pbrt-v4. */
+  /** Duration of the exposure [time of TransformTimes]; scales the image, as in pbrt-v4. */
   float exposureTime() const { return exposure; }
 
  private:
@@ -100,16 +101,17 @@ class Camera {
   float exposure;
 };
 
-/** Pixel filter, sampled in proportion to its magnitude, so that every sample belongs to one pixel. */
+/** Pixel filter. It is sampled, so that every sample belongs to one pixel. */
 class Filter {
  public:
   virtual ~Filter() = default;
   struct Sample {
     Vec2f offset; ///< from the centre of the pixel [pixels]
-    float weight; ///< value over density, divided by its mean: 1 for filters without negative lobes
+    float weight; ///< value() over density, of mean 1: 1 for filters without negative lobes
   };
+  /** Samples an offset with a density in proportion to the magnitude of value(), by u in [0, 1)². */
   virtual Sample sample(const Vec2f& u) const = 0;
-  /** Filter value at an offset from the pixel's centre, with integral 1; sample() is in proportion to it. */
+  /** Filter value at an offset from the pixel's centre, with integral 1; it may be negative. */
   virtual float value(const Vec2f& offset) const = 0;
   /** Half of the width and height of the support [pixels]; value() is zero beyond. */
   virtual Vec2f radius() const = 0;
@@ -151,6 +153,7 @@ inline PixelBounds cropOf(const FilmSettings& film, double x0, double x1, double
   return {pixel(x0, film.width), pixel(y0, film.height), pixel(x1, film.width), pixel(y1, film.height)};
 }
 
+/** Context of plug-ins that need parameters only. */
 struct NoContext {};
 
 } // namespace recurse

@@ -39,7 +39,7 @@ class PixelSampler {
   /** Whether the samples of different pixels are independent. */
   virtual bool hasIndependentPixels() const { return true; }
 
-  int pixelSamples = 16;
+  int pixelSamples = 16; ///< samples of each pixel
   uint64_t seed = 0;
 
  protected:

@@ -1,6 +1,7 @@
 /** @file
  * The film: for each pixel and layer the sum of its samples, bit-identical for any order of them, the
- * statistics of the error estimate, and the splats of light paths. Integrators have no access to it; they
+ * statistics of the error estimate, and the splats of light paths. Indices of pixels are row by row within
+ * bounds(), and not checked. Integrators have no access to it; they
  * fill a PathRadiance or a Splatter, which handle the layers.
  */
 #pragma once
@@ -42,8 +43,8 @@ class Film {
   const PixelBounds& bounds() const { return pixelBounds; }
   size_t layerCount() const { return layers; }
 
-  /** Adds sample `index` to a pixel: `values` has one colour for each layer, `total` is their sum without
-   * double counting. Calls for different pixels may run at the same time. */
+  /** Adds sample `index` of a pixel with its filter weight: `values` has one finite colour for each layer,
+   * `total` is their sum without double counting. Calls for different pixels may run at the same time. */
   void add(size_t pixel, uint32_t index, float weight, const Rgb* values, const Rgb& total) {
     LongSum* sum = &sums[pixel * layers * 3];
     for (size_t i = 0; i < layers; ++i)
@@ -66,7 +67,8 @@ class Film {
   /** Plane of splats, whose values are added to the mean of the samples; null unless enabled. */
   SplatPlane* splats() { return splatPlane ? &*splatPlane : nullptr; }
   const SplatPlane* splats() const { return splatPlane ? &*splatPlane : nullptr; }
-  /** Adds a contribution around a point of the film to the layers of a bit set; see SplatPlane::add(). */
+  /** Adds a contribution around a point of the film to the layers of a bit set, after enableSplats(); see
+   * SplatPlane::add(). */
   void splat(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
     splatPlane->add(film, filter, layerSet, value);
   }
@@ -97,7 +99,8 @@ class Film {
   /** Blocks of state(), in the same order, for sums computed elsewhere. */
   std::vector<StatePart> stateParts();
 
-  /** Value of a pixel in a layer: mean of its samples, black before the first one, plus splats. */
+  /** Value of a pixel in a layer: mean of its samples by filter weight, black before the first one, plus
+   * splats. */
   Rgb value(size_t pixel, size_t layer) const {
     const double weight = pixels[pixel].weight;
     const LongSum* sum = &sums[(pixel * layers + layer) * 3];
@@ -113,7 +116,7 @@ class Film {
     for (const Pixel& p : pixels) n += p.samples;
     return n;
   }
-  /** Luminance of a pixel: mean of its samples plus splats. */
+  /** Luminance of a pixel: mean of its samples, all of weight 1, plus splats. */
   double luminanceOf(size_t pixel) const {
     const Pixel& p = pixels[pixel];
     return (p.samples > 0 ? p.luminance / double(p.samples) : 0) +
@@ -145,7 +148,7 @@ class Film {
  private:
   static constexpr uint32_t BATCH = 8; ///< samples; a power of two, like the strata of Sobol' points
 
-  /** Luminance below which relative errors are not visible. */
+  /** Luminance below which relative errors are not visible: a tenth of the image's mean. */
   double darkLuminance() const;
   /** Variance of the mean of a pixel's samples from the difference of its halves; empty with one half. */
   std::optional<double> varianceByHalves(size_t pixel) const;

@@ -29,9 +29,9 @@ class SplatPlane {
       : bounds(bounds), layers(layers), unitOfSums(unit), sums(bounds.area() * layers * 3),
         moments(bounds.area()) {}
 
-  /** Adds to each layer of the bit set, around a point [pixels of the whole film]. `value` is finite: the
-   * contribution of one light path for the importance of one pixel (WiSample). `extraLayer`: another layer,
-   * of any index. Any thread, any time. */
+  /** Adds value times filter to each layer of the bit set, in the pixels around a point [pixels of the whole
+   * film]. `value` is finite: the contribution of one light path for the importance of one pixel (WiSample).
+   * `extraLayer`: another layer, of any index. Any thread, any time. */
   void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value,
            size_t extraLayer = NO_LAYER);
   static constexpr size_t NO_LAYER = SIZE_MAX;
@@ -50,7 +50,8 @@ class SplatPlane {
   double variance(size_t pixel) const;
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
-  /** Number of contributions that were clamped, or made a sum overflow: their light is lost in part. */
+  /** Number of additions, to one colour of one layer of a pixel or to its moments, that were clamped or
+   * overflowed: their light is lost in part. Those of addSums() are not counted. */
   uint64_t saturated() const { return figures.saturated; }
   /** Number of the first pass whose light paths are not included; needed to resume a render. */
   uint64_t nextPass() const { return figures.nextPass; }

@@ -53,7 +53,7 @@ struct LeSample : LeRay { ///< the origin is already offset from an emitting sur
   float pdfPosition = 1;  ///< LePdf::position, but 1 for a delta
   float pdfDirection = 1; ///< LePdf::direction, but 1 for a delta
   /** radiance · cosine / (pdfPosition · pdfDirection) with common factors cancelled; the cosine only for
-   * surfaces. The mean over samples is the light's power [W]. */
+   * surfaces. The mean over samples is the light's exact power [W]. */
   Rgb flux;
 };
 
@@ -71,10 +71,10 @@ struct LiSample {
   Vec3f direction;    ///< unit, towards the light
   Vec3f target;       ///< point on the light to be tested for visibility; the lit point for infinite lights
   float distance = 0; ///< to the target [scene units]; infinite for distant and environment lights
-  Rgb radiance;       ///< incident radiance [W/(m² sr)]; of a delta light: irradiance across the ray [W/m²]
-  float pdf = 0;      ///< density [1/sr]; 1 for a delta light
-  bool delta = false; ///< a delta direction, which BSDF sampling cannot find
-  Vec3f normal{0};    ///< normal of the surface at the target, on either side; zero for other lights
+  Rgb radiance;  ///< incident radiance [W/(m² sr)]; of POINT and DISTANT: irradiance across the ray [W/m²]
+  float pdf = 0; ///< density [1/sr]; 1 for POINT and DISTANT
+  bool delta = false;     ///< true: BSDF sampling cannot find the light, since no ray hits it
+  Vec3f normal{0};        ///< unit normal of the surface at the target, on either side; zero for other lights
   uint32_t primitive = 0; ///< of the emitting shape
   float time = 0;         ///< see Ray::time
 
@@ -101,16 +101,18 @@ class Light {
   bool isInfinite() const { return recurse::isInfinite(kind()); }
   /** Whether rays can hit the light. */
   virtual bool isIntersectable() const { return !isDelta(); }
-  /** Called once before any other function. */
+  /** Sets the bounds of the scene; called once before any other function. */
   virtual void prepare(const SceneBounds&) {}
-  /** Emitted flux [W]; for infinite lights, the flux that enters the scene's bounding sphere. */
+  /** Emitted flux [W]; for infinite lights, the flux that enters the scene's bounding sphere. Parts that
+   * alpha cuts out are included, and transforms with different scales by direction make it approximate. */
   virtual Rgb power() const = 0;
   /** Emission sample for the forward pass: one photon. Empty: no emission for this sample. */
   virtual std::optional<LeSample> sampleLe(const LeRandom& sample) const = 0;
   /** Densities of the ray in sampleLe(). */
   virtual LePdf pdfLe(const LeRay& ray) const = 0;
-  /** LeSample::radiance for a different unit direction from the same point, on the same side of a surface. By
-   * default constant over the directions of nonzero density for area lights, which may override it. */
+  /** LeSample::radiance for a different unit direction from the same point, on the same side of a surface;
+   * for finite lights. By default constant over the directions of nonzero density for area lights, which may
+   * override it. */
   virtual Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const;
   /** Light sample at a point by numbers in [0, 1), without a visibility test. Empty: none. */
   virtual std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const = 0;
@@ -132,7 +134,7 @@ class AreaLight : public Light {
   }
   LightKind kind() const override { return LightKind::AREA; }
   const Shape& shape() const { return shapeOfLight; }
-  /** Emitted radiance at a point of the shape, towards unit `direction`. */
+  /** Emitted radiance at a point of the shape, towards unit `direction` [W/(m² sr)]; without opacity(). */
   virtual Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const = 0;
   /** Fraction of the radiance that leaves a point of the shape: parts cut out by alpha do not emit. */
   float opacity(const SurfacePoint& point) const {
@@ -155,6 +157,7 @@ class AreaLight : public Light {
 class EnvironmentLight : public Light {
  public:
   LightKind kind() const override { return LightKind::ENVIRONMENT; }
+  /** Radiance that arrives from a unit direction, towards the light [W/(m² sr)]. */
   virtual Rgb radiance(const Vec3f& direction) const = 0;
   /** Density of a direction towards the light in sampleLi(from) [1/sr]. */
   virtual float pdfLi(const Vec3f& from, const Vec3f& direction) const = 0;

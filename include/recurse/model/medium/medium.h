@@ -27,7 +27,7 @@ struct MediumInterface {
   bool isBoundary() const { return inside != outside; }
 };
 
-/** Upper bounds of a field in the unit cube, one for each cell of a grid. */
+/** Upper bounds of a field in the unit cube, one for each cell of a grid, x fastest. */
 class MajorantGrid {
  public:
   MajorantGrid() = default;
@@ -47,7 +47,7 @@ class MajorantGrid {
 
 /** Interval of a ray with a majorant: a bound of the extinction that holds everywhere in it. */
 struct MajorantSegment {
-  float begin = 0, end = 0; ///< [scene units]
+  float begin = 0, end = 0; ///< distances from the origin of the ray [scene units]
   Rgb majorant{0};          ///< [1/length]
 };
 
@@ -75,6 +75,7 @@ class MajorantSegments {
 class Medium {
  public:
   virtual ~Medium() = default;
+  /** Properties at a position in the scene. */
   virtual MediumPoint at(const Vec3f& position) const = 0;
   /** Majorants along a ray of unit direction, up to `end`. The medium is absent where there is no
    * segment. */

@@ -23,8 +23,9 @@ std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own);
 
 /**
  * The mesh, displaced if the parameters say so: edges are halved until they are short enough before and after
- * displacement, up to 20 million triangles. Triangles split common edges at the same points, so that no
- * cracks appear. Normals are recomputed from the displaced surface. Throws Error as TriangleMesh does.
+ * displacement, or with a warning up to 20 million triangles. Triangles split common edges at the same
+ * points, so that no cracks appear. Normals are recomputed from the displaced surface. Throws Error as
+ * TriangleMesh does.
  */
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context);

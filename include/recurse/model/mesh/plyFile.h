@@ -10,7 +10,7 @@
 namespace recurse {
 
 struct PlyFile {
-  MeshData mesh;
+  MeshData mesh;             ///< polygons are fans of triangles around their first vertex
   uint64_t badNormals = 0;   ///< normals that are not finite; they are zero in the mesh
   size_t brokenVertices = 0; ///< vertices that are not finite and not used by any face
 
@@ -24,17 +24,17 @@ struct PlyFile {
   }
 };
 
-/** Throws Error with the location of the fault in the file. */
+/** Reads a mesh. Throws Error with the location of the fault: a line, or a byte of a binary file. */
 PlyFile readPly(const FileReference& file);
 
 /** The vertices of a PLY file, which need no faces. */
 struct PlyPoints {
   std::vector<Vec3d> positions; ///< finite
   std::vector<Vec3d> normals;   ///< one for each position, or none; zero for one that is not finite
-  std::vector<double> radii;    ///< one for each position, or none
+  std::vector<double> radii;    ///< one for each position, or none; not checked
 };
 
-/** Throws Error with the location of the fault in the file. */
+/** Reads points. Throws Error as readPly() does. */
 PlyPoints readPlyPoints(const FileReference& file);
 
 } // namespace recurse
