@@ -16,8 +16,8 @@ void setMemoryLimit(double bytes);
  * limit of the control group (version 2, at its root), in use or not. Infinite where none is known. */
 double availableMemory();
 
-/** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. Not for up to
- * 64 MiB. */
+/** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. Up to 64 MiB
+ * are not checked. */
 void requireMemory(const std::string& subject, double bytes);
 
 /** Sets the work that a scene may take, as predicted for one core [s]. Initially unlimited. */
