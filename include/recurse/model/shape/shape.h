@@ -265,10 +265,9 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
 
 /**
  * Minimum offset of ray origins along the normal of a flat surface [scene units] whose bounding box has the
- * size `extent`. The side of a grazing ray
- * is decided with a normal rounded to float, with an error of up to 4 units of roundoff at the far end of the
- * surface. In addition, a plane through the origin has zero coordinates, where the neighbouring floats are
- * denormal, so that coplanar surfaces would be hit.
+ * size `extent`. The side of a grazing ray is decided with a normal rounded to float, with an error of up to
+ * 4 units of roundoff at the far end of the surface. In addition, a plane through the origin has zero
+ * coordinates, where the neighbouring floats are denormal, so that coplanar surfaces would be hit.
  */
 inline double flatOffset(const Vec3d& extent, const Vec3d& position, const Vec3d& normal) {
   const Vec3d n = magnitude(normal);
