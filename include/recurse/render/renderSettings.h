@@ -34,7 +34,7 @@ enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 /** Figures of a render; a resumed render includes those from before the interruption. */
 struct RenderStatistics {
   double processorSeconds = 0;         ///< processor time of all threads together [s]
-  double learningProcessorSeconds = 0; ///< part of processorSeconds for work done once for all passes [s]
+  double learningProcessorSeconds = 0; ///< part of processorSeconds for learning before or between passes [s]
   double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps without learning [s]
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< elapsed time [s]; gather: all time without photons and balancing
