@@ -22,7 +22,7 @@ class BoxTree {
              const Visit& visit) const {
     if (nodes.empty()) return;
     const Vec3d inverse = 1.0 / direction;
-    uint32_t stack[MAX_DEPTH];
+    uint32_t stack[STACK_SIZE];
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
@@ -40,7 +40,7 @@ class BoxTree {
  private:
   /** Capacity of the stack. A split halves the number of boxes: at most 32 levels, which leave one entry
    * each, and one more at the last. */
-  static constexpr int MAX_DEPTH = 64;
+  static constexpr int STACK_SIZE = 64;
   static constexpr uint32_t LEAF_SIZE = 2;
   struct Node {
     Vec3d lower, upper;
