@@ -50,14 +50,16 @@ class PathClasses {
  public:
   /** One class, "all": every path. */
   PathClasses();
-  /** Compiles the expressions; throws Error with the column of a syntax error, or when there are too many
-   * states. */
+  /** Compiles 1 to 64 expressions with different names. Throws Error (BAD_USAGE) for another number or equal
+   * names, with the column for a syntax error, for a class without paths, for too many states, and for
+   * expressions that name lights or surfaces. */
   explicit PathClasses(std::vector<PathClass> classes) : PathClasses(std::move(classes), nullptr) {}
-  /** The same with the names of the scene in which the walks are. */
+  /** Compiles expressions that may name lights and surfaces of the scene in which the walks are. Throws Error
+   * like the constructor above, and for a name that the scene does not have. */
   PathClasses(std::vector<PathClass> classes, const PathNames& names)
       : PathClasses(std::move(classes), &names) {}
 
-  /** Throws Error where the expressions do not compile in any scene. */
+  /** Throws Error where the expressions do not compile, whatever names a scene has. */
   static void check(const std::vector<PathClass>& classes);
 
   /** Adds a film layer for each layer of the frames, after the layers of the classes: the light of the first
@@ -66,13 +68,14 @@ class PathClasses {
   /** Frames of a transient render; empty: lengths of paths are not used. */
   const TransientFrames& frames() const { return transient; }
   bool isTransient() const { return !transient.empty(); }
-  /** Film layer of light of the first class by the optical length of its path [scene units]. */
+  /** Film layer of light of the first class by the optical length of its path [scene units]; only for a
+   * transient render. */
   size_t layerOfLength(float length) const { return firstFrameLayer + transient.layerOf(length); }
 
   /** The film's layers: the classes, and those of addFrames(). */
   const std::vector<PathClass>& classes() const { return list; }
   size_t layerCount() const { return list.size(); }
-  /** Number of states of each side; for reports. */
+  /** Number of states of each side. */
   size_t lightStateCount() const { return lightStates; }
   size_t cameraStateCount() const { return cameraDead.size(); }
 
@@ -86,12 +89,14 @@ class PathClasses {
   CameraState cameraStart() const { return cameraStartState; }
   /** Whether events depend on the surface: SurfaceKinds other than the default exist. */
   bool distinguishesSurfaces() const { return !kindOfSurface.empty(); }
+  /** Number of SurfaceKinds, at least 1: their indices count from 0. */
   size_t surfaceKindCount() const { return events / 3; }
   /** Kind of a surface by the index of its object and the number of its material in PathNames. */
   SurfaceKind surfaceKind(size_t object, size_t material) const {
     if (kindOfSurface.empty()) return SurfaceKind();
     return SurfaceKind(kindOfSurface[kindOfObject[object] * materialKinds + kindOfMaterial[material]]);
   }
+  /** State after one more event of the walk. `kind`: of the surface of an S or D event. */
   LightState step(LightState s, PathEvent e, SurfaceKind kind = SurfaceKind()) const {
     return LightState(lightNext[size_t(s.byte) * events + column(e, kind)]);
   }

@@ -33,7 +33,8 @@ class PathAutomaton {
   static PathAutomaton compile(const std::string& expression, Empty empty = Empty::REFUSED,
                                const PathNames* names = nullptr);
   /** Compiles expressions to be combined: sets with names have letters for the names in all expressions that
-   * were compiled with them. Sets without names may be combined with any. */
+   * were compiled with them. Sets without names may be combined with any; two sets with names that were
+   * compiled apart throw std::logic_error. */
   static std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes,
                                                Empty empty = Empty::REFUSED,
                                                const PathNames* names = nullptr);
@@ -87,6 +88,7 @@ struct PathOverlap {
   size_t first, second;
   std::string example;
 };
+/** All pairs of sets with common paths. */
 std::vector<PathOverlap> findOverlaps(const std::vector<PathAutomaton>& sets);
 
 /** Paths of `whole` that are in none of the sets. */

@@ -17,6 +17,7 @@ namespace recurse {
 /** Value of the identity "samples go" for samples that are not adaptive. */
 inline const std::string ALL_ALIKE = "to all pixels alike";
 
+/** State of a render as a file contains it. */
 struct Checkpoint {
   /** Samples [first, end) of each pixel with a seed; some of these may be missing in the film. */
   struct Part {
@@ -42,12 +43,13 @@ struct Checkpoint {
 /** Replaces the file atomically, without a copy of the film. Throws Error. */
 void writeCheckpoint(const std::string& fileName, Checkpoint& checkpoint);
 
-/** Throws Error with the differences where `other` is not a render of the same picture. */
+/** Throws Error with the differences where `other`, read from `fileName`, lacks an input of `identity` or has
+ * another value of it. */
 void requireSame(const std::string& fileName, const std::map<std::string, std::string>& identity,
                  const std::map<std::string, std::string>& other);
 
-/** Adds `other`, which was read from `fileName`. Throws Error where it does not fit, or where samples would
- * be added twice. */
+/** Adds film and parts of `other`, which was read from `fileName`; removes the allocation. Throws Error where
+ * it does not fit, or where samples would be added twice. */
 void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileName);
 
 /** Missing samples of the picture in words, such as "samples 8:16"; empty where all samples of each pixel are

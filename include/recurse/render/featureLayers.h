@@ -1,6 +1,6 @@
 /** @file
- * Feature layers of the visible surfaces, for compositing and for denoisers: albedo, normals, depth,
- * position, and mattes of objects and materials.
+ * Feature layers of the first surfaces that camera rays meet and that scatter, for compositing and for
+ * denoisers: albedo, normals, depth, position, and mattes of objects and materials.
  */
 #pragma once
 
@@ -17,8 +17,9 @@ namespace recurse {
 struct FeatureLayer {
   const char* name;
   const char* channels; ///< letters: "RGB", "XYZ", "Z"; empty for mattes
-  const char* meaning;
+  const char* meaning;  ///< one line
 };
+/** All feature layers. */
 const std::vector<FeatureLayer>& featureLayers();
 /** Throws Error (BAD_USAGE), with all valid names, for a name that is unknown or occurs twice. */
 void requireFeatureLayers(const std::vector<std::string>& names);
@@ -30,7 +31,8 @@ struct FeatureSettings {
   uint64_t seed = 0;
 };
 
-/** Channels LAYER.LETTER of the film's crop window, and the channels of mattes (cryptomatte.h). */
+/** Channels LAYER.LETTER of the film's crop window from samples uniform over each pixel, and the channels of
+ * mattes (cryptomatte.h). Throws Error like requireFeatureLayers(). */
 Image renderFeatures(const Scene& scene, const FeatureSettings& settings);
 
 } // namespace recurse

@@ -22,11 +22,11 @@ struct RecordedPixel {
 };
 
 /**
- * Records the first `count` samples of each pixel, or as many as render() takes with the same settings, whose
- * samples they are bit for bit.
- * The integrator must be new, and keeps its last photon map, whose light paths are recorded by
- * `lightPaths` unless it is null. `stop` ends the recording early. Throws Error
- * for a pixel outside of the crop window, and where the integrator cannot render the scene.
+ * Records the first `count` samples of each pixel, or fewer if render() takes fewer with the same settings,
+ * whose samples they are bit for bit. Time and error limits are ignored. The integrator must be new, and
+ * keeps its last photon map, whose light paths are recorded by `lightPaths` unless it is null. `stop` ends
+ * the recording early. Throws Error for a pixel outside of the crop window, and where the integrator cannot
+ * render the scene.
  */
 RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                               const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
@@ -36,8 +36,8 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
 
 /**
  * Calls use(x, y, record) with the samples of each pixel of the crop window, pass by pass: the samples of
- * render() with the same settings, which are rendered into the film. Calls for different rows run at the same
- * time; a record exists only during its call.
+ * render() with the same settings, of which samplesPerPixel must be positive, rendered into the film. Calls
+ * for different rows run at the same time; a record exists only during its call. `stop` ends the visit early.
  */
 void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                   const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,

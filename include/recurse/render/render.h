@@ -20,7 +20,9 @@ void countSamples(const Film& film, RenderStatistics& statistics);
 /**
  * Renders into the film, which is empty, or the film of the resume point of an interrupted render. Returns
  * early when `stop` becomes true; the film then holds all samples taken. Bit-identical for any number of
- * threads and interruptions unless it ends early.
+ * threads and interruptions unless it ends early. `log` gets notes and warnings, which are in the statistics,
+ * too; both functions may be empty. Throws Error where the integrator cannot render the scene, and for a
+ * resume point of several processes.
  */
 RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                         const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,

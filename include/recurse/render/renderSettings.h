@@ -19,25 +19,27 @@ namespace recurse {
 /** State reported to the progress display, at most ten times a second and at the end, from one thread at a
  * time. */
 struct RenderProgress {
-  std::string phase;       ///< "photons", "picture"
-  double fraction = 0;     ///< of the phase, in [0, 1]
-  double elapsed = 0;      ///< since the start of the render [s]
-  double secondsLeft = -1; ///< negative: unknown
-  double samplesPerPixel = 0;
+  std::string phase;          ///< "photons", "picture"
+  double fraction = 0;        ///< of the phase, in [0, 1]
+  double elapsed = 0;         ///< since the start of the render [s]
+  double secondsLeft = -1;    ///< negative: unknown
+  double samplesPerPixel = 0; ///< mean of the film
   double raysPerSecond = 0;
   double error = -1; ///< latest Film::relativeError(); negative: unknown
 };
 
+/** Limit that ended a render. */
 enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
+/** Figures of a render; a resumed render includes those from before the interruption. */
 struct RenderStatistics {
-  double processorSeconds = 0;         ///< of all threads together
-  double learningProcessorSeconds = 0; ///< part of processorSeconds before the first photon map or sample
-  double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps; the rest: camera paths
+  double processorSeconds = 0;         ///< processor time of all threads together [s]
+  double learningProcessorSeconds = 0; ///< part of processorSeconds for learning before or between passes [s]
+  double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps without learning [s]
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
-         gatherSeconds = 0; ///< [s]; gather: all time without photons and balancing
-  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
-  size_t mapBytes = 0;
+         gatherSeconds = 0; ///< elapsed time [s]; gather: all time without photons and balancing
+  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0; ///< see ForwardStatistics
+  size_t mapBytes = 0;                                                ///< of the largest photon map
   uint64_t splatsSaturated = 0; ///< contributions too large for the splat plane, which lost light
   TransportCounts counts;
   uint64_t samples = 0;                     ///< camera paths
@@ -48,7 +50,7 @@ struct RenderStatistics {
   StopReason stopReason = StopReason::SAMPLES;
   double error = -1;   ///< Film::relativeError() at the end; negative: too few samples
   bool oneMap = false; ///< all samples share one forward pass, whose error is not included in `error`
-  std::vector<std::string> notes, warnings;
+  std::vector<std::string> notes, warnings; ///< automatic choices, and visible consequences, in words
 };
 
 /**
@@ -73,15 +75,17 @@ class RenderPause {
   /** The integrator, with the photons of its latest pass. */
   virtual const Integrator& integrator() const = 0;
   /** Records the latest samples of a pixel that the latest pass serves, at most `count`, as they were
-   * rendered; the film does not change. With adaptive samples or a range of samples, the pixel's own samples
-   * may be others: then those of these numbers are recorded. The pixel must be within the crop window. */
+   * rendered; the film does not change. Before the first complete round of the pass it records the next
+   * sample. With adaptive samples or a range of samples, the pixel's own samples may be others: then those of
+   * these numbers are recorded. The pixel must be within the crop window. */
   virtual void record(int x, int y, int64_t count, PathRecorder& recorder) const = 0;
 };
 
+/** Limits, samples and callbacks of a render. */
 struct RenderSettings {
-  int samplesPerPixel = 16;   ///< 0: until the time limit or the error target
-  double timeLimit = 0;       ///< seconds for the whole render; 0: none
-  double firstSampleTime = 1; ///< additional seconds that the first sample of each pixel may take
+  int samplesPerPixel = 16;   ///< the integrator may need more; 0: until the time limit or the error target
+  double timeLimit = 0;       ///< for the whole render [s]; 0: none
+  double firstSampleTime = 1; ///< time after the limit that the first sample of each pixel may take [s]
   /** Whether the time limit ends the first forward pass, which leaves a film without samples; else that pass
    * may exceed it. */
   bool limitsFirstPass = false;
@@ -97,13 +101,14 @@ struct RenderSettings {
   /** Called with a film at a resume point: when `saveInterval` seconds have passed since the last call, and
    * at the end, for whatever reason the render ends. */
   std::function<void(const RenderPosition&)> save = {};
-  double saveInterval = 60;
+  double saveInterval = 60; ///< [s]
   /** Called while no thread writes to the film, to display intermediate pictures: first after `lookAfter`
    * seconds. Returns the seconds until the next call. */
   std::function<double()> look = {};
-  double lookAfter = 0;
+  double lookAfter = 0; ///< [s]
   /** Whether somebody waits for answer(), asked by any thread; the round then ends soon. */
   std::function<bool()> isAsked = {};
+  /** Called while no thread renders, if isAsked(); must be set with it. */
   std::function<void(const RenderPause&)> answer = {};
 };
 

@@ -16,6 +16,8 @@
 
 namespace recurse {
 
+/** Allocation of adaptive samples in stages. Pilot samples, equally many for each pixel, estimate the
+ * variance by which the next stage is allocated. */
 class SampleAllocation {
   struct Stage {
     int64_t first = 0, end = 0; ///< samples of the average pixel
@@ -39,7 +41,7 @@ class SampleAllocation {
   static constexpr int64_t EVEN = int64_t(Film::MIN_SAMPLES);
   static constexpr int64_t PILOT_PERIOD = 4; ///< samples of the average pixel for a pilot sample, after EVEN
   static constexpr double MAX_SHARE = 8;     ///< maximum ratio to the samples of the average pixel
-  /** Number of consecutive pilot samples that are summed. */
+  /** Number of consecutive pilot samples in a sum: pairs of sums estimate variance. */
   static constexpr int64_t BLOCK = 4;
   /** Assumed exponent of the decrease of the squared error with samples: between noise, 1, and edges, 1.5. */
   static constexpr double FALL = 1.4;
@@ -60,7 +62,7 @@ class SampleAllocation {
   /** End of the stage allocated last; 0: none. */
   int64_t dealtUpTo() const { return stage.end; }
   /** Allocates the stage from `sample` up to `end`, unless it is allocated already. All pixels must have
-   * their samples of the stage before. */
+   * their samples of the stage before. `seed`: of the random rounding to whole samples. */
   void begin(int64_t sample, int64_t end, uint64_t seed);
   /** Sets whether each sample of the average pixel has its own photon map; before the first sample. */
   void setMapPerSample(bool is) { mapPerSample = is; }
@@ -94,6 +96,7 @@ class SampleAllocation {
   }
   /** Data on which due() and pilotsDue() depend besides setMapPerSample(), for processes that share it. */
   std::vector<std::byte> plan() const;
+  /** Takes over the plan of an allocation for the same bounds. */
   void setPlan(std::span<const std::byte> plan);
 
  private:

@@ -26,7 +26,7 @@ struct WorkUnit {
  * order. */
 class WorkQueue {
  public:
-  /** Queue of all samples [0, samples) of each pixel. */
+  /** Queue of all samples [0, samples) of each pixel of the tiles [0, tiles). */
   WorkQueue(int64_t samples, int64_t tiles, const Passes& passes);
   /** Queue of the remaining work of a render. */
   WorkQueue(int64_t samples, int64_t tiles, const Passes& passes, std::vector<WorkUnit> left);
@@ -41,12 +41,12 @@ class WorkQueue {
   int64_t nextSample() const { return units.front().firstSample; }
 
   /**
-   * Takes a unit for one of `workers` processes, of about `size`: whole passes where there are many, which
-   * may be longer, since their photons serve all tiles; otherwise samples and tiles. Empty: no work is left.
-   * Units become small towards the end, so that all processes end at the same time.
+   * Takes a unit for one of `workers` processes, of about `size` [tile samples]: whole passes where there are
+   * many, which may be longer, since their photons serve all tiles; otherwise samples and tiles. Empty: no
+   * work is left. Units become small towards the end, so that all processes end at the same time.
    */
   std::optional<WorkUnit> take(double size, int workers);
-  /** Approximate size of the smallest unit that take() would return. */
+  /** Approximate size of the smallest unit that take() would return [tile samples]; 0 for an empty queue. */
   double smallest(int workers) const;
   /** Returns unfinished work to the queue. */
   void giveBack(const WorkUnit& unit);

@@ -41,7 +41,8 @@ template <class Key, class Part> class KeptByKey {
 /**
  * Parts kept from one frame to the next: shapes (with meshes read, subdivided, displaced) of equal parameters
  * and transform without textures, objects or opacity, trees of objects whose shapes are all kept, media,
- * and models read from files. Only one scene at a time can be rendered with the kept parts.
+ * and models read from files. Only one scene at a time can be rendered with the kept parts. A scene must
+ * exist until the next one is built, because keys of trees are addresses of shapes.
  */
 class KeptParts {
  public:
@@ -58,7 +59,7 @@ class KeptParts {
 /** Cache key of a plug-in: a hash of its whole directive and of the files in memory that it names. Files on
  * the disk are assumed not to change. */
 std::string keyOf(const ParsedDirective& directive);
-/** Cache key of a plug-in with a transform. */
+/** Cache key of a plug-in with its transform to the scene. */
 std::string keyOf(const ParsedDirective& directive, const Mat4d& place);
 
 } // namespace recurse

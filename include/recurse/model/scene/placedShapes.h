@@ -9,16 +9,17 @@
 
 namespace recurse {
 
+/** Shape with its attributes and its transform. */
 struct PlacedShape {
   const Shape* shape = nullptr;
   const Material* material = nullptr; ///< null: no scattering
   bool emits = false;
   uint32_t object = 0;     ///< see Scene::objectName()
-  Mat4d sceneFromShape{1}; ///< at the time when the shutter opens
+  Mat4d sceneFromShape{1}; ///< at the time when the shutter opens; identity outside of instances
 };
 
 /** Calls visit(placed) for every shape of a scene made by buildScene(), once for each instance that contains
- * it. */
+ * it. Shapes that neither scatter, nor emit, nor bound a medium are no part of the scene. */
 void visitShapes(const Scene& scene, const std::function<void(const PlacedShape&)>& visit);
 
 } // namespace recurse

@@ -21,6 +21,7 @@ class Integrator; // transport/integrator/integrator.h
 /** Settings of the Accelerator directive, which has no effect: Embree builds the tree. */
 struct AcceleratorSettings {};
 
+/** Registries by kind. A registry's text is the directive that names its plug-ins, for messages. */
 struct PlugIns {
   Registry<Shape, ShapeContext> shapes{"Shape"};
   Registry<SceneImport, ImportContext> imports{"Shape (files)"};
@@ -39,7 +40,7 @@ struct PlugIns {
   Registry<ToneMap, NoContext> toneMaps{"ToneMap"}; ///< for the option --tonemap
 };
 
-/** All plug-ins of this build. */
+/** All plug-ins of this build, registered at the first call. */
 const PlugIns& plugIns();
 
 } // namespace recurse

@@ -28,8 +28,8 @@ class KeptParts;
 /** Intersection of a ray with the scene. */
 struct Hit {
   SurfacePoint point;
-  float t = 0;
-  uint32_t primitive = 0;
+  float t = 0;                          ///< distance along the ray [scene units]
+  uint32_t primitive = 0;               ///< of the shape
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
@@ -45,12 +45,12 @@ struct SceneShape {
 };
 
 /** Names of a scene's objects. An object is an instance of an ObjectBegin, or a shape outside of any, which
- * is named after its file or its kind. */
+ * is named by its parameter "name", else after its file, else after its kind. */
 class ObjectNames {
  public:
   /** Adds an object; returns its index, counted from 0. */
   uint32_t add(const std::string& name);
-  /** Name of an object, with a number where several have the same, `tree.2`. Stable for the same scene. */
+  /** Name of an object, numbered from the second of a name: `tree`, `tree.2`. Stable for the same scene. */
   std::string operator[](uint32_t object) const;
   /** The name without a number. */
   const std::string& common(uint32_t object) const { return names[objects[object].name]; }
@@ -66,25 +66,27 @@ class ObjectNames {
   std::vector<Object> objects;
 };
 
-/** Lamp: the lights that one directive makes, such as those of all instances of an emitting shape. */
+/** Lamp: the lights that one LightSource or one emitting Shape makes; a Shape makes one in each instance. */
 struct Lamp {
-  std::string name; ///< of the light's directive, else of its shape, else `light-N`
-  std::string kind;
-  SourceLocation location;
+  std::string name;        ///< of the light's directive, else of its shape, else `light-N`, counted from 1
+  std::string kind;        ///< type of the LightSource or Shape
+  SourceLocation location; ///< of the LightSource or Shape
 };
 
 /** Light chosen from the table. */
 struct ChosenLight {
   const Light* light = nullptr;
-  float probability = 0;
-  uint32_t index = 0; ///< in the table
+  float probability = 0; ///< of the choice
+  uint32_t index = 0;    ///< in the table
 };
 
-/** Lights with selection probabilities in proportion to their power, in its largest channel. */
+/** Lights with selection probabilities in proportion to their power, in its largest channel; all
+ * probabilities are 0 where no light has power. */
 class LightTable {
  public:
   void build(const std::vector<const Light*>& lights);
-  /** Builds the table with probabilities in proportion to `weights` instead of power. */
+  /** Builds the table with probabilities in proportion to `weights`, one of at least 0 for each light,
+   * instead of power. */
   void build(const std::vector<const Light*>& lights, const std::vector<double>& weights);
   size_t size() const { return lights.size(); }
   const Light& operator[](size_t i) const { return *lights[i]; }
@@ -103,7 +105,8 @@ class LightTable {
   std::vector<float> probabilities, cumulative;
 };
 
-/** Contents of a scene: integrators adapt to them, and `--check` prints them. */
+/** Contents of a scene: integrators adapt to them, and `--check` prints them. Shapes and primitives of an
+ * object count once for all of its instances, area lights once for each. */
 struct SceneContents {
   size_t shapes = 0, triangles = 0, otherPrimitives = 0, instances = 0, materials = 0;
   size_t areaLights = 0, deltaLights = 0, environmentLights = 0;
@@ -117,8 +120,7 @@ class Scene {
 
   /** Finds the nearest surface along the ray. Returns false for a miss. */
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
-  /** Finds only the position of the nearest surface: of the hit's point, position, error and geometric normal
-   * are set. */
+  /** Partial intersect(): of hit.point, only position, error and geometric normal are set. */
   virtual bool intersectPosition(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }
   /** True where a scattering surface blocks the ray (t < ray.tMax). */
   virtual bool occluded(const Ray& ray) const = 0;
@@ -126,11 +128,12 @@ class Scene {
    * performance. */
   enum class Coherence { NONE, COHERENT };
   /**
-   * Batched intersect(), which is faster. hits[i].t is infinite where ray i misses. The parameters of a hit
-   * may differ from intersect() by rounding, and of two surfaces at the same distance either may be
-   * reported.
+   * Batched intersect(), which is faster, with a hit for each ray. hits[i].t is infinite where ray i misses.
+   * The parameters of a hit may differ from intersect() by rounding, and of two surfaces at the same distance
+   * either may be reported.
    */
   virtual void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const;
+  /** Batched occluded(): blocked[i] is 1 where ray i is blocked, else 0. */
   virtual void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const;
 
   const LightTable& lights() const { return lightTable; }
@@ -185,7 +188,8 @@ class Scene {
   const Filter& filter() const { return *pixelFilter; }
   const FilmSettings& film() const { return filmSettings; }
   const PixelSampler& sampler() const { return *pixelSampler; }
-  /** Memory of the geometry and its tree [bytes]. */
+  /** Memory that Embree has for the trees and its copies of vertices [bytes]. Shapes are not counted; parts
+   * kept for other frames are. */
   virtual size_t memoryBytes() const = 0;
 
  protected:
@@ -203,7 +207,7 @@ class Scene {
   std::vector<std::string> labelsOfMaterials, namesOfMedia;
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
-  std::vector<uint16_t> nestedMedia;   ///< one for each of nestedDielectrics, if there are media
+  std::vector<uint16_t> nestedMedia;   ///< parallel to nestedDielectrics
   std::vector<uint16_t> mediaOfLights; ///< in the order of the light table
   uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;
@@ -215,15 +219,16 @@ class Scene {
 
 /** Command-line values that replace settings of the scene file. */
 struct SceneOverrides {
-  int width = 0, height = 0;                   ///< 0: from the file
-  std::array<float, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: from the file
+  int width = 0, height = 0;                   ///< both given, for the whole film; or 0: from the file
+  std::array<float, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: not replaced
   bool lenient = false;                        ///< unknown parameters are warnings
   bool compact = false;                        ///< smaller and slower trees
 };
 
 /**
- * Makes every plug-in of the description. All errors are reported to `diagnostics`; the result is null when
- * there was any. `kept`: reusable parts are taken from it, and the parts for the next frame are left in it.
+ * Makes every plug-in of the description. Errors of the scene are reported to `diagnostics`; the result is
+ * null when there was any. Throws Error (BAD_USAGE) where the crop window contains no pixel. `kept`: reusable
+ * parts are taken from it, and the parts for the next frame are left in it.
  */
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
                                   Diagnostics& diagnostics, KeptParts* kept = nullptr);

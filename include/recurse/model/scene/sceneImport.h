@@ -27,37 +27,41 @@ struct SceneImport {
   MemoryFiles files;                  ///< by their names in the text
   std::vector<std::string> filesRead; ///< paths of all sources: the model, and files beside it
   std::vector<ImportedCamera> cameras;
-  const ImportedCamera* chosen = nullptr; ///< one of the cameras, by the parameter "camera"
-  Bounds3d bounds;                        ///< of all shapes
-  Vec3d up{0, 1, 0}, front{0, 0, 1};      ///< of the model
-  bool isInterior = false;                ///< true: the model is viewed from inside
-  bool hasLights = false;
+  const ImportedCamera* chosen = nullptr;  ///< one of `cameras`, by the parameter "camera"; null: none
+  Bounds3d bounds;                         ///< of all shapes
+  Vec3d up{0, 1, 0}, front{0, 0, 1};       ///< directions that the model's top and front face, unit
+  bool isInterior = false;                 ///< true: the model is viewed from inside
+  bool hasLights = false;                  ///< false: a sky and a sun are added where the model is the scene
   std::vector<std::string> taken, leftOut; ///< lists for people: "3 materials", "2 animations"
 };
 
+/** Arguments of importers besides parameters. */
 struct ImportContext {
   std::string prefix; ///< of names of materials, textures and objects, so that imports do not clash
   std::string folder; ///< prefix of the names of files
 };
 
-/** Builder of a SceneImport. */
+/** Builder of a SceneImport. `import` and `context` must outlive it. */
 class ImportWriter {
  public:
   ImportWriter(SceneImport& import, const ImportContext& context) : import(import), context(context) {}
 
   void line(const std::string& directives) { import.text += directives + "\n"; }
-  /** New unique name for materials, textures and objects of this scene, derived from `hint`. */
+  /** New unique name for a material, texture or object of this import: the prefix, and the first 64
+   * characters of `hint` with unusual ones as '_'. */
   std::string uniqueName(const std::string& hint);
-  /** Adds a file; returns its name for the text. */
+  /** Adds a file; returns its unique name for the text, derived from `hint` with its extension. */
   std::string addFile(const std::string& hint, std::string content);
   /** Adds a copy of a file on the disk. Throws Error where it cannot be read. */
   std::string copyFile(const std::string& path);
-  /** `Shape "plymesh"` of the mesh with the parameters given; `placement` is only for the bounds. */
+  /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`. The
+   * mesh transformed by `placement` extends the bounds. */
   std::string meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
                         const std::string& parameters = {});
-  /** Defines a texture ("spectrum" or "float") with a picture that addFile() returned. */
+  /** Defines a texture of a kind ("spectrum" or "float") with a picture that addFile() returned; returns its
+   * name. */
   std::string imageTexture(const char* kind, const std::string& file, const std::string& parameters = {});
-  /** Defines a conspicuous texture in place of a missing picture. */
+  /** Defines a conspicuous spectrum texture in place of a missing picture; returns its name. */
   std::string missingTexture();
 
  private:
@@ -66,7 +70,8 @@ class ImportWriter {
   std::map<std::string, int> used;
 };
 
-/** Scene-file text of a value: numbers with all digits; names in quotes, with invalid characters as '_'. */
+/** Scene-file text of a value: numbers with as many digits as identify them; names in quotes, with invalid
+ * characters as '_'. */
 std::string sceneText(double number);
 std::string sceneText(const Vec3d& v);
 std::string sceneText(const Mat4d& m); ///< column by column, in brackets
@@ -77,8 +82,9 @@ std::string plyBytes(const MeshData& mesh);
 
 /** Bytes of a file. Throws Error with the reason. */
 std::string readFileBytes(const std::string& path);
-/** File that a model refers to as `name`: at this path from `directory`, else in it by the last component of
- * the path, whose case is ignored; with percent escapes decoded. Empty where there is none. */
+/** Path of the file that a model refers to as `name`: at this path from `directory`, else in the path's
+ * folder or in `directory` by the last component, whose case is ignored. Percent escapes are decoded where
+ * the name itself is not found. Empty where there is none. */
 std::string findModelFile(const std::string& directory, const std::string& name);
 
 } // namespace recurse

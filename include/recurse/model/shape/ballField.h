@@ -1,6 +1,6 @@
 /** @file
  * Fields of metaballs: falloff as a function of q, the squared distance over the squared radius, from 1 at
- * the centre to 0 at q = 1.
+ * the centre to 0 at q = 1. The functions are for q in [0, 1].
  */
 #pragma once
 
@@ -34,13 +34,15 @@ inline BallField ballField(const std::string& name) {
                             : quarticField;
 }
 
-/** Throws SceneError unless a parameter has one value for each position of "P". */
+/** Throws SceneError, with what would be accepted, unless a parameter has one value for each position of "P".
+ * `found`: number of its values. */
 inline void requireEach(const Parameters& p, const char* name, size_t found, size_t positions,
                         const char* accepted = "one for each element of \"P\"") {
   if (found != positions)
     p.fail(name, std::to_string(found) + " given for " + std::to_string(positions) + " positions", accepted);
 }
-/** Values of a parameter for each of `count` balls; a single value applies to all. */
+/** Values of a parameter for each of `count` balls; a single value applies to all. Throws SceneError for any
+ * other number of values. */
 inline std::vector<double> numbersOfBalls(const Parameters& p, const char* name, size_t count) {
   std::vector<double> values = p.reals(name);
   if (values.size() == 1) values.assign(count, values.front());

@@ -15,14 +15,14 @@ class BoxTree {
   BoxTree() = default;
   explicit BoxTree(const std::vector<Bounds3d>& boxes);
 
-  /** Calls visit(index) for each box that the line origin + t·direction intersects between tMin and tMax, and
-   * possibly for boxes nearby. */
+  /** Calls visit(index) in any order for each box that the line origin + t·direction intersects between tMin
+   * and tMax, and possibly for boxes nearby. */
   template <class Visit>
   void visit(const Vec3d& origin, const Vec3d& direction, double tMin, double tMax,
              const Visit& visit) const {
     if (nodes.empty()) return;
     const Vec3d inverse = 1.0 / direction;
-    uint32_t stack[MAX_DEPTH];
+    uint32_t stack[STACK_SIZE];
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
@@ -38,7 +38,9 @@ class BoxTree {
   }
 
  private:
-  static constexpr int MAX_DEPTH = 64; ///< boxes are halved by number: 32 levels, two stack entries each
+  /** Capacity of the stack. A split halves the number of boxes: at most 32 levels, which leave one entry
+   * each, and one more at the last. */
+  static constexpr int STACK_SIZE = 64;
   static constexpr uint32_t LEAF_SIZE = 2;
   struct Node {
     Vec3d lower, upper;

@@ -12,16 +12,18 @@ class CurveShape final : public Shape {
   /** FLAT: faces the ray; CYLINDER: likewise, with normals that vary across the width; RIBBON: oriented by
    * its normals, which determine its apparent width. */
   enum class Kind { FLAT, CYLINDER, RIBBON };
+  /** Bézier segment in the object's space. */
   struct Segment {
     Vec3d controls[4];
-    double width0, width1;
-    Vec3d normal0{0}, normal1{0}; ///< for ribbons
+    double width0, width1;        ///< diameters at the ends [object units], linear in between
+    Vec3d normal0{0}, normal1{0}; ///< at the ends, for ribbons; of any length but zero
   };
 
+  /** Throws Error for a position too large for single precision. */
   CurveShape(const std::vector<Segment>& segments, Kind kind, const ShapeContext& context);
 
   Kind kind() const { return curveKind; }
-  /** Control points with radius, four for each segment. */
+  /** Control points with radius [scene units] in w, four for each segment. */
   const std::vector<glm::vec4>& controls() const { return points; }
   /** Parameters for surfaceAt() of Embree's hit at u on a segment, by a ray of any length; empty where a
    * ribbon seen at an angle is narrower than the hit. */
@@ -30,6 +32,7 @@ class CurveShape final : public Shape {
 
   uint32_t primitiveCount() const override { return static_cast<uint32_t>(points.size() / 4); }
   Bounds3f bounds(uint32_t segment) const override;
+  /** Throws std::logic_error: Embree intersects curves. */
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t segment, const HitParameters& parameters) const override;
   /** A piece of zero length, that is, a rim without location: curves enclose no volume. */

@@ -44,7 +44,7 @@ struct SurfacePoint {
   /** Tangent that bumps use for dpdv: 0: dpdv; 1: shadingNormal x dpdu, as in pbrt on meshes with normals at
    * their vertices; -1: the latter, mirrored. */
   int8_t crossTangent = 0;
-  Vec2f uv;
+  Vec2f uv; ///< surface coordinates; in [0, 1] unless a mesh has others
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; only for nested dielectrics
   float time = 0;         ///< Ray::time of the incident and the scattered rays
@@ -128,7 +128,8 @@ class Shape {
   virtual uint32_t primitiveCount() const = 0;
   /** Bounding box of a primitive, including rounding errors. */
   virtual Bounds3f bounds(uint32_t primitive) const = 0;
-  /** Nearest intersection with tMin < t < tMax. Not called for triangle meshes, which Embree intersects. */
+  /** Nearest intersection with tMin < t < tMax by a ray with a unit direction. Not called for triangle meshes
+   * and curves, which Embree intersects. */
   virtual std::optional<PrimitiveHit> intersect(uint32_t primitive, const Vec3f& origin,
                                                 const Vec3f& direction, float tMin, float tMax) const = 0;
   /** Surface at a hit; for triangles u and v are the barycentric coordinates of the second and third
@@ -151,14 +152,16 @@ class Shape {
   /** Inverse Gauss map of a sphere, uniform over directions: the point with this geometric normal [unit]; pdf
    * by area, see sampleArea(). Empty for all shapes but spheres. */
   virtual std::optional<ShapeSample> pointWithNormal(const Vec3f& /*normal*/) const { return {}; }
-  /** Samples a point as seen from `from`; pdf by solid angle. Empty where no visible point was found. */
+  /** Samples a point as seen from `from`; pdf by solid angle. Empty where sampling yields no point, or one
+   * that is seen edge-on. The point may face away or be hidden. */
   virtual std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const;
   /** Density of sampleDirection() at a point of a primitive, as seen from `from` [1/sr]. */
   virtual float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const;
 
   /** Number of faces with coordinates in the unit square, for even tessellation; 0: none, or a triangle
-   * mesh. */
+   * mesh. Where it is 0, the next two functions are not called. */
   virtual uint32_t faceCount() const { return 0; }
+  /** Surface at a point of a face. */
   virtual SurfacePoint pointOnFace(const FacePoint&) const { return {}; }
   /** Face and coordinates of a point of a primitive. */
   virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
@@ -231,7 +234,7 @@ struct ShapeContext {
 
 /**
  * Rim of a surface p(u, v): short pieces of the edges u = 0 and u = 1 if `uEnds`, v = 0 if `vLow`, v = 1 if
- * `vHigh`. Edges that are degenerate to a point have no pieces.
+ * `vHigh`, of p on the unit square. Edges that are degenerate to a point have no pieces.
  */
 std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double u, double v)>& p, bool uEnds, bool vLow,
                                  bool vHigh);
@@ -261,10 +264,10 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
 }
 
 /**
- * Minimum offset of ray origins along the normal of a flat surface [scene units]. The side of a grazing ray
- * is decided with a normal rounded to float, with an error of up to 4 units of roundoff at the far end of the
- * surface. In addition, a plane through the origin has zero coordinates, where the neighbouring floats are
- * denormal, so that coplanar surfaces would be hit.
+ * Minimum offset of ray origins along the normal of a flat surface [scene units] whose bounding box has the
+ * size `extent`. The side of a grazing ray is decided with a normal rounded to float, with an error of up to
+ * 4 units of roundoff at the far end of the surface. In addition, a plane through the origin has zero
+ * coordinates, where the neighbouring floats are denormal, so that coplanar surfaces would be hit.
  */
 inline double flatOffset(const Vec3d& extent, const Vec3d& position, const Vec3d& normal) {
   const Vec3d n = magnitude(normal);

@@ -13,18 +13,22 @@ double perlinNoise(const Vec3d& p);
 
 /** Sum of octaves of noise: each is 1.99 times finer than the one before, and `roughness` times as high. */
 struct NoiseSum {
-  int octaves = 8;
-  double roughness = 0.5;
-  double fractal(const MappedPoint& m) const;    ///< fractional Brownian motion: sum of the octaves
-  double turbulence(const MappedPoint& m) const; ///< sum of absolute values and, as in pbrt, up to one mean
+  int octaves = 8;        ///< at least 1
+  double roughness = 0.5; ///< in [0, 1]
+  /** Fractional Brownian motion: the sum of the octaves. */
+  double fractal(const MappedPoint& m) const;
+  /** Sum of the octaves' absolute values. Octaves too fine contribute their mean. As in pbrt, the first of
+   * them does so up to twice, and where all are resolved, the mean of one more octave is added. */
+  double turbulence(const MappedPoint& m) const;
 
  private:
   template <class Term, class Rest>
   double sum(const MappedPoint& m, const Term& term, const Rest& rest) const;
 };
 
-/** Parameters of a NoiseSum, and the sum that given values define. */
+/** Parameters of a NoiseSum: "octaves" and "roughness". */
 std::vector<ParameterSpec> noiseParameters();
+/** Sum that the values of these parameters define. */
 NoiseSum noiseSum(const Parameters& parameters);
 
 } // namespace recurse

@@ -16,6 +16,7 @@ struct MappedPlace {
   /** Half the size of the bounding box of the footprint. */
   Vec2f extent() const { return 0.5f * (glm::abs(alongX) + glm::abs(alongY)); }
 };
+/** Point of texture space and its differentials along the axes of the footprint; zero where unknown. */
 struct MappedPoint {
   Vec3d p{0};
   Vec3f alongX{0}, alongY{0};
@@ -30,6 +31,7 @@ struct FootprintAxes {
 /** pbrt-v4's `mapping` of two-dimensional textures. */
 class TextureMapping {
  public:
+  /** Reads the parameters of withMapping(). Throws SceneError for one that the mapping does not use. */
   TextureMapping(const Parameters& parameters, const TextureContext& context);
   MappedPlace at(const SurfacePoint& point) const;
 

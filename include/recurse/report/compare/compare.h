@@ -83,16 +83,17 @@ struct Comparison {
   std::vector<WorstPixel> worst; ///< largest error first
 };
 
-/** Compares with one reference. Throws Error where the sizes differ. */
+/** Compares with one reference. Throws Error where the sizes differ, or R, G or B is missing. */
 Comparison compareImages(const Image& image, const Image& reference);
 
 /** Compares with the reference r, and free of noise with a and b. Without `reference`, r is their mean, whose
- * noise remains in the denominator of relative errors. */
+ * noise remains in the denominator of relative errors. Throws Error like the function above. */
 Comparison compareImages(const Image& image, const Image& a, const Image& b,
                          const Image* reference = nullptr);
 
-/** Error by scale: mean of (x − a)(x − b) / (r² + ε). Blocks cut by the border are omitted, and so are pixels
- * where any picture is not finite. */
+/** Error by scale of pictures of the same size: mean of (x − a)(x − b) / (r² + ε), see
+ * Comparison::relMseByScale. Blocks cut by the border are omitted, and so are pixels where any picture is not
+ * finite. */
 ByScale errorByScale(const Image& x, const Image& a, const Image& b, const Image& r);
 
 /** Adds the errors of the classes that all pictures have under the same name and expression; none where x has
@@ -106,11 +107,14 @@ void addFlip(Comparison& comparison, const Image& image, const Image& reference)
 /** Mean of two pictures of the same size (R, G, B). */
 Image meanImage(const Image& a, const Image& b);
 
-/** Measure by its name in JSON and in --fail-above: mse, relmse, relmse_trimmed, mape, ... Throws Error
- * (BAD_USAGE), with all valid names, for an unknown one. */
+/** Measure of all channels by its name in JSON and in --fail-above: mse, relmse, relmse_trimmed, mape, ...
+ * Throws Error (BAD_USAGE) for a measure that the comparison does not have, and with all valid names for an
+ * unknown one. */
 double metricByName(const Comparison& comparison, const std::string& name);
+/** All names of measures, also of those that a comparison may not have. */
 std::vector<std::string> metricNames();
-/** Definition of the measure: ε, denominator, trimming. Empty where the name is a full definition. */
+/** Definition of the measure: ε, denominator, trimming. Empty for errors by scale, and where the name is a
+ * full definition. */
 std::string metricDefinition(const std::string& name);
 
 /** Comparison as a table for people. */
@@ -120,10 +124,11 @@ std::string comparisonJson(const Comparison& comparison);
 
 /** Error shown by a false-colour picture. */
 enum class ErrorMap {
-  RELATIVE, ///< log10 of |x − r| / (|r| + ε), from 0.001 (dark) to 1 (bright)
+  RELATIVE, ///< |x − r| / (|r| + ε), on a logarithmic scale from 0.001 (dark) to 1 (bright)
   SIGNED    ///< (x − r) / (|r| + ε), from −0.5 (blue: too dark) over grey to 0.5 (red: too bright)
 };
-/** Error of every pixel as a picture; pixels that are not finite are magenta. */
+/** Error of every pixel, mean over the channels, in false colours; pixels that are not finite are magenta.
+ * Throws Error where the sizes differ. */
 Image errorMap(const Image& image, const Image& reference, ErrorMap kind);
 
 } // namespace recurse

@@ -33,7 +33,7 @@ Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree 
  * exposure maps the reference's largest luminance to 0.85, the last one its median; there is an exposure for
  * each stop of this range, rounded up, and at least two; 0 for a black reference. Negative values count as
  * zero. Where the median is zero, which the paper does not treat, the median of the positive luminances is
- * used.
+ * used. Throws Error where the sizes differ.
  */
 Flip hdrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 

@@ -28,16 +28,17 @@ struct References {
  * independent ones. Throws Error where sizes differ, or pixels are not finite. */
 References makeReferences(const std::vector<Image>& images, const std::vector<std::string>& names);
 
-/** Number with its 95 % confidence interval. */
+/** Number with its 95 % confidence interval; NaN where unknown. */
 struct Estimate {
   double value = 0, low = 0, high = 0;
 };
 
 /**
- * Mean of a quantity over pixels and channels, three for each pixel; NaN marks omitted values. The interval
- * is derived from the variance of the means of square pixel blocks, so that errors correlated between
- * neighbours, such as the errors of one photon, do not make it too narrow. The picture is treated as a sample
- * of blocks, so the interval is conservative where the quantity varies over the picture.
+ * Mean of a quantity over pixels and channels, three for each pixel; NaN marks omitted values. The interval,
+ * of two standard errors to each side, is derived from the variance of the means of square pixel blocks, so
+ * that errors correlated between neighbours, such as the errors of one photon, do not make it too narrow. The
+ * picture is treated as a sample of blocks, so the interval is conservative where the quantity varies over
+ * the picture.
  */
 Estimate blockEstimate(const std::vector<double>& values, int width, int height);
 
@@ -50,7 +51,8 @@ struct ErrorSplit {
   Estimate variance, bias2;
   Estimate relVariance, relBias2; ///< over r² + ε, ε = REL_MSE_EPSILON
 };
-/** Decomposition for at least two pictures that differ in their seeds. */
+/** Decomposition for pictures that differ in their seeds. Throws Error for less than two, and where sizes
+ * differ. Pixels that are not finite in a picture are omitted. */
 ErrorSplit splitError(const std::vector<Image>& pictures, const References& references);
 
 /** Error of two independent references. */
@@ -59,11 +61,13 @@ struct ReferenceError {
   double worstShare = 0; ///< fraction of it due to the worst 0.1 % of the pixels
   std::string text() const;
 };
+/** Error of the mean of two independent references. */
 ReferenceError referenceError(const Image& a, const Image& b);
 
+/** Cost that budgets limit. */
 enum class BudgetKind { TIME, SAMPLES, PHOTONS };
 
-/** Cost limit of a picture: seconds, samples per pixel, or photons. */
+/** Cost limit of a picture by BudgetKind: seconds, samples per pixel, or photons. */
 struct Budget {
   double amount = 0;
   std::string text; ///< "2s", "16", "1M"
@@ -97,8 +101,10 @@ struct Study {
   std::vector<uint64_t> seeds;
   std::vector<ConvergeCell> cells;
 
+  /** Finished cell; null: there is none. */
   const ConvergeCell* find(const std::string& run, const std::string& budget, uint64_t seed) const;
-  /** Merges a study; the cells of both must fit, see requireSameStudy(). */
+  /** Adds runs, budgets, seeds and cells of a study that are missing here; both must fit, see
+   * requireSameStudy(). */
   void include(const Study& other);
 };
 
@@ -159,7 +165,8 @@ struct StudyReport {
   References references;
   std::vector<ConvergePoint> points; ///< sorted by run, then by budget
 };
-/** Evaluates a study; reads the pictures in the folder for variance and bias. */
+/** Evaluates a study; reads the pictures in the folder for variance and bias. Throws Error for one that
+ * cannot be read. */
 StudyReport reportOf(const Study& study, const References& references, const std::string& folder);
 
 /** Error measure to be plotted. */
@@ -169,6 +176,7 @@ struct ErrorMeasure {
 };
 /** Measures in the report; the most relevant one first. */
 std::vector<ErrorMeasure> errorMeasures(const StudyReport& report);
+/** Curve of a run by a measure, of the points where it is finite. */
 Curve curveOf(const StudyReport& report, const std::string& run, const ErrorMeasure& measure);
 
 /** Table for the terminal. */
@@ -176,13 +184,14 @@ std::string studyTable(const StudyReport& report);
 /** CSV files with a line for each cell, and with a line for each point. */
 std::string cellsCsv(const StudyReport& report);
 std::string pointsCsv(const StudyReport& report);
-/** Script for gnuplot: draws error against time as PNG. */
+/** Script for gnuplot: draws the first measure against time as PNG. */
 std::string plotScript(const StudyReport& report);
 /** Self-contained page with plots, tables, and the pictures of the first seed. */
 std::string convergePage(const StudyReport& report, const std::string& folder);
 
 /** Writes cells.csv, points.csv, plot.gp, index.html, and plot.png if gnuplot is installed. Returns a remark
- * for people where there is no plot.png, else an empty string. */
+ * for people where there is no plot.png, else an empty string. Throws Error where a file cannot be written,
+ * or gnuplot fails. */
 std::string writeReport(const StudyReport& report, const std::string& folder);
 
 } // namespace recurse

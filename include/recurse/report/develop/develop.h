@@ -26,10 +26,11 @@ struct Exposure {
 };
 
 /**
- * Exposure of an automatic camera [stops]: maps the log average of the luminance to middle grey, or slightly
- * less or more where most of the picture is dark or bright (Reinhard 2002, "Parameter Estimation for
- * Photographic Tone Reproduction"). Black around the lit part is ignored; luminances beyond the 5th and
- * 95th percentile, such as lamps, count as these. Zero for a black picture.
+ * Exposure of an automatic camera [stops]: maps the log average of the luminance to middle grey (GREY_CARD),
+ * or up to a stop less or more where most of the picture is dark or bright (Reinhard 2002, "Parameter
+ * Estimation for Photographic Tone Reproduction"). Black around the lit part is ignored; luminances beyond
+ * the 5th and 95th percentile, such as lamps, count as these; luminances more than five stops below the 95th
+ * percentile count as equally dark. Zero for a black picture.
  */
 double meteredStops(const Image& picture);
 /** Exposure of a picture by these settings [stops]. */
@@ -38,40 +39,48 @@ double stopsFor(const Exposure& exposure, const Image& picture);
 /** Chromaticity of the white in the picture. */
 struct WhiteBalance {
   bool automatic = false; ///< white is the mean of the picture without its darkest and brightest parts
-  double kelvin = 0;      ///< colour temperature of daylight, below 4000 of a black body; 0: no white balance
+  /** Colour temperature of daylight, below 4000 of a black body [K]; 0: no white balance. Has no effect if
+   * `automatic`. */
+  double kelvin = 0;
 
-  static constexpr double MIN_KELVIN = 1667, MAX_KELVIN = 25000;
+  static constexpr double MIN_KELVIN = 1667, MAX_KELVIN = 25000; ///< range in which the formulas hold [K]
 };
-/** Adapts the picture to the white of the display, D65 (Bradford's chromatic adaptation). */
+/** Adapts the picture to the white of the display, D65 (Bradford's chromatic adaptation). Negative results
+ * become 0. */
 void applyWhiteBalance(Image& picture, const WhiteBalance& balance);
 
 /** Display encoding by name: "srgb", "rec709", "gamma2.2", ...; "ocio", "ocio:DISPLAY" and
  * "ocio:DISPLAY/VIEW" refer to the OpenColorIO configuration named by $OCIO. */
 class DisplayEncoding {
  public:
-  /** Throws Error (BAD_USAGE), with all valid names, for an unknown one. */
+  /** Throws Error (BAD_USAGE), with all valid names, for an unknown one, and where $OCIO is no configuration
+   * with this display and view. */
   explicit DisplayEncoding(const std::string& name = "srgb");
-  /** Encodes linear values, clipped to [0, 1], for the display; OpenColorIO has them unclipped. */
+  /** Encodes linear values, clipped to [0, 1], for the display; OpenColorIO gets them unclipped. The results
+   * are in [0, 1]. */
   void apply(Image& picture) const;
+  /** All names, with a pattern for OpenColorIO. */
   static const std::vector<std::string>& names();
 
  private:
   std::string name;
 };
 
+/** Settings of all steps. */
 struct DevelopSettings {
   Exposure exposure;
   WhiteBalance whiteBalance;
-  double bloom = 0;                       ///< amount of applyBloom(): fraction of the light
-  double bloomDegrees = 40;               ///< visual angle of the picture's width, for applyBloom()
+  double bloom = 0;         ///< amount of applyBloom(): fraction of the light, in [0, 1]; 0: none
+  double bloomDegrees = 40; ///< visual angle of the picture's width [degrees], for applyBloom()
   std::shared_ptr<const ToneMap> toneMap; ///< null: none
   DisplayEncoding display;
   bool dither = false; ///< for 8 bits, to prevent banding in smooth gradients
 };
 
+/** Developed picture. */
 struct Developed {
-  Image picture; ///< R, G, B, encoded for the display, to be written with ImageWriteOptions::encoded
-  double stops = 0;
+  Image picture;    ///< R, G, B, encoded for the display, to be written with ImageWriteOptions::encoded
+  double stops = 0; ///< exposure applied, metered or given
 };
 
 /** Picture with its glare, and the same light without glare: identical without bloom. */
@@ -86,10 +95,12 @@ struct Unexposed {
   Glaring picture;
   double stops = 0; ///< exposure to be applied
 };
+/** First steps of develop(): white balance, metering and bloom. */
 Unexposed beforeExposure(const Image& picture, const DevelopSettings& settings);
 
 /** Self-contained page that exposes the picture and applies a tone operator according to its sliders.
- * Operators have their default parameters. */
+ * `operatorName`: operator that is chosen at first, instead of settings.toneMap. Operators have their default
+ * parameters. */
 std::string developPage(const Image& picture, const DevelopSettings& settings, const std::string& title,
                         const std::string& operatorName);
 

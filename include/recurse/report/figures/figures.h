@@ -30,8 +30,8 @@ struct ColourScale {
 struct FigurePanel {
   Image image; ///< R, G, B, linear
   std::string name;
-  int row = 0;
-  float column = 0;                      ///< a pyramid has panels halfway between columns
+  int row = 0;                           ///< from the top, counted from 0
+  float column = 0;                      ///< from the left; a pyramid has panels halfway between columns
   float exposure = 0;                    ///< [stops]
   std::optional<ColourScale> scale = {}; ///< drawn below the picture, for false colours
 };
@@ -57,7 +57,7 @@ struct FigurePlot {
   double slope = 0; ///< of the dashed line for comparison; 0: none
 };
 
-/** Sheet of panels of the same size with their names, and of a plot below them. */
+/** Sheet of panels of the same size with their names, and of a plot below them unless it is null. */
 FigureDrawing figureSheet(const std::string& title, const std::string& subtitle,
                           const std::vector<FigurePanel>& panels, const FigurePlot* plot = nullptr);
 
@@ -110,17 +110,19 @@ struct EstimateMethods {
 
 /** Layers of a photon radiance estimate. Errors are relative to the mean of the picture. */
 struct EstimateFigure {
-  std::vector<FigurePanel> panels; ///< radiance, bias, standard deviation, error of bias, photons, radius
-  double squaredBias = 0;          ///< mean over the picture, without the noise of the bias
-  double variance = 0;             ///< mean over the picture, of one map
-  double biasError = 0;            ///< median standard error of the bias
+  /** Radiance of one map, of all maps, and of the paths; bias, standard deviation, standard error of the
+   * bias; photons and radius of an estimate, of caustic ones apart. */
+  std::vector<FigurePanel> panels;
+  double squaredBias = 0; ///< mean over the picture, without the noise of the bias; may be negative
+  double variance = 0;    ///< mean over the picture, of one map
+  double biasError = 0;   ///< median standard error of the bias
 };
 
 /**
  * Estimates the radiance towards the middles of pixels by `maps` independent photon maps. The variance is
  * theirs; the bias is their mean less that of `referenceSamples` paths for the same camera rays. Light that
- * the camera sees without non-delta scattering is left out. Both numbers must be above 1. Throws Error for
- * scenes with media, and for black pictures.
+ * the camera sees without non-delta scattering is left out. Both numbers must be above 1. No panels once
+ * `stop` is true. Throws Error for scenes with media, and for black pictures.
  */
 EstimateFigure estimateFigure(const Scene& scene, const EstimateMethods& methods, int maps,
                               int64_t referenceSamples, uint64_t seed, const std::atomic<bool>& stop);
@@ -139,6 +141,7 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
                                       uint64_t seed, const std::atomic<bool>& stop);
 /** Zero, and fractions of the scene's radius. */
 std::vector<float> defaultOffsets(const Scene& scene);
+/** Panels of acnePictures(), named by offset, acne and leaks, with the exposure of the last. */
 std::vector<FigurePanel> acnePanels(std::vector<AcnePicture> pictures);
 
 /** Panels of radiosity: patches in the colour of their indirect radiosity with lines of the mesh, the same
@@ -152,7 +155,8 @@ std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity
 int64_t samplesTaken(const Integrator& integrator, const RenderSettings& settings);
 
 /** Panels of the mean cost of a pixel's samples in false colours: rays, photons of density estimates, and
- * processor time [us], with the range in the name. `integrator`: new. Without photons, no panel of them. */
+ * processor time [us], with the range in the name: the 1st to the 99th percentile. `integrator`: new. Without
+ * photons, no panel of them. */
 std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
                                     const RenderSettings& settings, const std::atomic<bool>& stop);
 

@@ -21,7 +21,7 @@ struct ReferencePoint {
   Vec3f normal{0};         ///< geometric, unit, towards the camera
   uint32_t object = 0;     ///< see Scene::objectName()
   Rgb irradiance{0};       ///< [W/m²]
-  float standardError = 0; ///< of the irradiance's luminance; infinite for one sample
+  float standardError = 0; ///< of the irradiance's luminance [W/m²]; infinite for one sample
   int64_t samples = 0;
 };
 
@@ -38,7 +38,7 @@ struct Inspection {
   LightPathRecorder lightPaths{0};
   std::vector<ReferencePoint> references;
   std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
-  std::vector<FormFactors> factors;    ///< of each patch
+  std::vector<FormFactors> factors;    ///< parallel to `patches`
   uint32_t factorRays = 0;             ///< rays for each patch; 0: no form factors, see formFactorRays()
   bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
@@ -46,7 +46,8 @@ struct Inspection {
 /** Levels of Integrator::visitPhotonBoxes(): the last has up to 4096 boxes, enough for a clear picture. */
 constexpr int BOX_LEVELS = 13;
 
-/** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones. */
+/** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones.
+ * Sets `inMap` to the number of photons in the map. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
 /** Light of `photonPaths` (see Integrator) in the classes of the photons, among the light that leaves a

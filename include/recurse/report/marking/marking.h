@@ -24,7 +24,9 @@ struct PictureChange {
   ValueEncoding encoding = ValueEncoding::LINEAR;
   bool isFlippedHorizontally = false; ///< left and right are exchanged
   bool isFlippedVertically = false;   ///< top and bottom are exchanged
-  int shiftX = 0, shiftY = 0;         ///< [pixels] pixel (x, y) appears at (x + shiftX, y + shiftY)
+  /** Shift [pixels]: pixel (x, y) of the reference appears at (x + shiftX, y + shiftY) once the flips are
+   * undone. */
+  int shiftX = 0, shiftY = 0;
 
   bool operator==(const PictureChange&) const = default;
   bool isFlipped() const { return isFlippedHorizontally || isFlippedVertically; }
@@ -75,12 +77,14 @@ struct ClassConfusion {
   std::vector<double> probabilities;
 };
 
+/** Marks of a picture. */
 struct Marking {
   PictureChange change;
-  double changeCertainty = 0; ///< probability of the change among all changes tried
-  double exposure = 1;        ///< factor of all light
-  double exposureError = 0, exposureCertainty = 0;
-  std::vector<ClassMark> classes;
+  double changeCertainty = 0;     ///< probability of the change among all changes tried
+  double exposure = 1;            ///< factor of all light
+  double exposureError = 0;       ///< standard error of the exposure; 0: the exposure is right
+  double exposureCertainty = 0;   ///< probability of this finding on the exposure
+  std::vector<ClassMark> classes; ///< in the order of the stills' layers, without the whole picture
   std::vector<ClassConfusion> confusions;
   std::vector<MarkedRegion> regions;
   double clippedFraction = 0;     ///< fraction of the pixels with a clipped channel, in a display format
@@ -96,8 +100,8 @@ struct Marking {
 /** Residual above which no class of light explains the difference of a region. */
 constexpr double MARKED_RESIDUAL = 0.2;
 
-/** Marks a picture by the class layers of stills. Throws Error where the sizes differ, or the stills have
- * no layers or overlapping ones. */
+/** Marks a picture by the class layers of stills. Throws Error where the sizes differ, the stills have no
+ * layers or layers that do not add up to their picture, or all of the picture is clipped or not finite. */
 Marking markExercise(const Image& picture, const Stills& reference);
 
 /** Statement about one error of a picture. */

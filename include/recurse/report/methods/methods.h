@@ -21,27 +21,29 @@ struct MethodResult {
   double seconds = 0, samplesPerPixel = 0; ///< seconds: time of the render [s]
   Stills stills;                           ///< layers of the report's classes
 
-  // Set by measureMethod():
+  // Set by measureMethod(); without a picture, only `missing` and `classIsClaimed`:
   Image picture;
   Comparison whole;                 ///< error with all light
   Comparison own;                   ///< error with the light of the paths that the method computes
   double missing = 0;               ///< fraction of all light on paths that the method does not compute
-  std::vector<double> classMeans;   ///< luminance of each class
+  std::vector<double> classMeans;   ///< mean luminance of each class
   std::vector<bool> classIsClaimed; ///< a part of the class suffices unless MethodsReport::isExact
 };
 
+/** Methods and their references. */
 struct MethodsReport {
   std::string title, label, reference; ///< texts for people
   std::vector<PathClass> classes;      ///< disjoint; each claim contains all of a class or none, see isExact
   bool isExact = true;                 ///< false: classes approximate the paths that a method computes
-  std::vector<double> referenceMeans;  ///< luminance of each class
+  std::vector<double> referenceMeans;  ///< mean luminance of each class
   Stills referenceA, referenceB;       ///< independent
   References references;               ///< with all light
   std::vector<MethodResult> methods;
 };
 
 /** Splits the classes until every claim, an expression, contains all of a class or none of it. Disjointness
- * is preserved. */
+ * is preserved; parts of a class get the names NAME-a, NAME-b, ... Throws Error for an expression that does
+ * not compile. */
 std::vector<PathClass> refineClasses(const std::vector<PathClass>& classes,
                                      const std::vector<std::string>& claims);
 

@@ -16,8 +16,8 @@ namespace recurse {
 
 /** Classes to render, from which the whole picture can be derived. */
 struct StillsPlan {
-  /** The classes given; then `rest` where they do not cover all paths; then `all` where they overlap, as
-   * their sum is not the picture then. */
+  /** The classes given; then `rest` where they do not cover all paths; then `all` where they overlap and none
+   * of them has all paths, as their sum is not the picture then. */
   std::vector<PathClass> classes;
   size_t shown = 0;                 ///< number of classes to display: all but an added `all`
   int beauty = -1;                  ///< the class of all paths; -1: the picture is the sum of the classes
@@ -25,19 +25,19 @@ struct StillsPlan {
   bool additive() const { return beauty < 0; }
 };
 
-/** Plans the classes. Throws Error (BAD_USAGE) for names that are invalid for layers and files, for
- * expressions that do not compile; PathClasses throws for too many. `names`: of the scene; null: any name is
- * allowed. */
+/** Plans the classes. Throws Error (BAD_USAGE) without classes, for equal names and names that are invalid
+ * for layers and files, and for expressions that do not compile; PathClasses throws for too many. `names`: of
+ * the scene; null: any name is allowed. */
 StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names = nullptr);
 
 /** Classes by light: the paths from each lamp, or with classes those of each class from each lamp. The lamps
- * of least power share the layer `other-lights` where there would be too many. Throws Error (BAD_USAGE) for a
- * scene without lamps, or too many classes. */
+ * of least power share the layer `other-lights` where there would be too many; media come before all lamps.
+ * Throws Error (BAD_USAGE) for a scene without lamps, or too many classes. */
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes = {});
 
 struct Stills;
-/** Sets the lamps of layers that are classesByLight(lamps). */
+/** Sets the lamps of layers that are classesByLight(lamps); layers with light of a medium get none. */
 void noteLamps(Stills& stills, const std::vector<LampGroup>& lamps);
 
 /** One layer of the stills. */
@@ -95,6 +95,7 @@ struct SheetLayout {
   int width() const { return margin + columns * (cellWidth + margin); }
   int height() const { return headHeight + rows * (cellHeight + margin); }
 };
+/** Layout with a cell for each layer, of an aspect ratio of about 3:2. */
 SheetLayout sheetLayout(int pictureWidth, int pictureHeight, size_t layers);
 
 /** Contact sheet: every layer twice, at the common and at its own exposure, with name, expression, share and
@@ -112,7 +113,7 @@ std::string stillsTable(const Stills& stills);
 void checkStillsWritable(const std::string& folder);
 
 /** Writes stills.exr, common/NAME.png, own/NAME.png, sheet.png and index.html; each file appears only when it
- * is complete. Returns the names of the files. */
+ * is complete. `other`: see stillsPage(). Returns the paths of the files. Throws Error. */
 std::vector<std::string> writeStills(const std::string& folder, const Stills& stills,
                                      const Stills* other = nullptr);
 

@@ -22,10 +22,12 @@ struct MaterialReference {
   SourceLocation location;
 };
 
+/** Media on both sides of a shape. */
 struct MediumReference {
   std::string inside, outside; ///< names; empty: vacuum
 };
 
+/** Shape directive with its graphics state. */
 struct ShapeDescription {
   ParsedDirective shape;
   Mat4d worldFromObject{1};                 ///< inside an object definition: instance space from object
@@ -36,20 +38,23 @@ struct ShapeDescription {
   MediumReference medium;
 };
 
+/** LightSource directive. */
 struct LightDescription {
   ParsedDirective light;
   Mat4d worldFromLight{1};
-  std::string medium; ///< medium around the light
+  std::string medium; ///< medium around the light; empty: vacuum
 };
 
+/** Object definition, from ObjectBegin to ObjectEnd. */
 struct ObjectDescription {
   std::string name;
   SourceLocation location;
   std::vector<ShapeDescription> shapes;
 };
 
+/** Instance of an object in the world. The reader expands instances within objects. */
 struct InstanceDescription {
-  std::string object;
+  std::string object; ///< name in `objects`, where there may be none
   Mat4d worldFromInstance{1};
   std::optional<Mat4d> worldFromInstanceLast; ///< at EndTime, where it differs
   SourceLocation location;
@@ -64,7 +69,7 @@ struct TextureDescription {
 
 /** LightScale directive. */
 struct LightScaleDescription {
-  std::string lamp;
+  std::string lamp; ///< see Lamp::name
   SourceLocation location;
   Rgbd scale{1};
 };
@@ -73,7 +78,7 @@ struct LightScaleDescription {
 struct TrackDescription {
   std::string name;
   SourceLocation location;
-  double firstTime = 0, lastTime = 0; ///< times of the first and the last keyframe
+  double firstTime = 0, lastTime = 0; ///< times of the first and the last keyframe [frames]
 };
 
 /** Camera directive. A file may have several with different names. */
@@ -90,12 +95,13 @@ struct SceneDescription : CameraDescription {
   std::string fileName;
   double frame = 0; ///< frame at which the tracks are evaluated
   std::vector<TrackDescription> tracks;
-  std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and its includes
+  /** Texts of the scene file, of its includes, and of the tracks at this frame. */
+  std::vector<std::shared_ptr<const SourceText>> sources;
   ParsedDirective film, filter, sampler, integrator, accelerator;
-  std::vector<CameraDescription> otherCameras; ///< in the order of the file
-  double startTime = 0, endTime = 1;           ///< times of the transforms of StartTime and EndTime
-  std::map<std::string, ParsedParameter> options;
-  std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
+  std::vector<CameraDescription> otherCameras;    ///< in the order of the file
+  double startTime = 0, endTime = 1;              ///< times of the transforms of StartTime and EndTime
+  std::map<std::string, ParsedParameter> options; ///< by their names in optionSpecs()
+  std::vector<ParsedDirective> materials;         ///< [0] is the default material, diffuse
   std::map<std::string, ParsedDirective> namedMaterials;
   std::vector<TextureDescription> textures; ///< in the order of the file
   std::vector<ParsedDirective> areaLights;

@@ -30,13 +30,14 @@ struct ParameterSpec {
   double minimum = -std::numeric_limits<double>::infinity(); ///< of every number
   double maximum = std::numeric_limits<double>::infinity();
   bool minimumExcluded = false;
-  int count = 1;         ///< number of values (points, colours) required; 0: any number
+  int count = 1;         ///< number of values (points, colours) required; 0: any number above 0
   bool required = false; ///< an error when absent
   bool textured = false; ///< true: a texture may replace the value
   bool ignored = false;  ///< true: accepted without effect; the description explains why
   SpectrumKind spectrumKind = SpectrumKind::ALBEDO;
   std::vector<std::string> choices; ///< permitted values of a string; empty: any
 
+  /** Permits numbers from `low` to `high`, both included. */
   ParameterSpec& range(double low, double high) {
     minimum = low;
     maximum = high;
@@ -66,6 +67,8 @@ std::string declarationText(const ParameterSpec& spec);
 /** Accepted values: range, choices, count; empty where all values are accepted. */
 std::string rangeText(const ParameterSpec& spec);
 
+// Declarations of parameters with one value; an empty `defaultText`: no default.
+
 ParameterSpec realParameter(const std::string& name, const std::string& defaultText,
                             const std::string& description);
 ParameterSpec integerParameter(const std::string& name, const std::string& defaultText,
@@ -76,7 +79,7 @@ ParameterSpec stringParameter(const std::string& name, const std::string& defaul
                               const std::string& description);
 ParameterSpec spectrumParameter(const std::string& name, const std::string& defaultText, SpectrumKind kind,
                                 const std::string& description);
-/** Declares a parameter of any type, including arrays (count 0: any number of values). */
+/** Declares a parameter of any type, including arrays; `count`: see ParameterSpec. */
 ParameterSpec arrayParameter(ParameterType type, const std::string& name, int count,
                              const std::string& defaultText, const std::string& description);
 /** Declares a parameter that is accepted for compatibility, without effect on the picture. */
@@ -84,8 +87,9 @@ ParameterSpec ignoredParameter(ParameterType type, const std::string& name, cons
 
 /**
  * Checked parameters of one use of a plug-in. All numbers are finite. Reading an undeclared name is a
- * programming error and throws std::logic_error. Getters throw SceneError with the location for errors that
- * can only be found when the value is used; `fail` is for the plug-in's own checks.
+ * programming error and throws std::logic_error. Getters throw SceneError with the location for a parameter
+ * without a value, and for errors that can only be found when the value is used; `fail` is for the plug-in's
+ * own checks.
  */
 class Parameters {
  public:
@@ -118,8 +122,8 @@ class Parameters {
   std::string texture(const std::string& name) const;
   /** Declared range of every number; the caller must clamp texture values to it. */
   std::pair<double, double> range(const std::string& name) const;
-  /** Value as the path of an existing readable file, relative to the directory of the file that names it,
-   * else of the top file. */
+  /** Value as the path of an existing regular file, relative to the directory of the file that names it, else
+   * of the top file. */
   std::string filePath(const std::string& name) const;
   /** Like filePath(), for readers that accept files in memory as well. */
   FileReference file(const std::string& name) const;
@@ -128,7 +132,9 @@ class Parameters {
 
   const std::string& plugInName() const { return name; }
   const SourceLocation& location() const { return place; }
+  /** Location of a parameter's value; for a default, that of the plug-in's name. */
   SourceLocation location(const std::string& name) const;
+  /** Throws SceneError at a parameter; at the plug-in for an empty name. */
   [[noreturn]] void fail(const std::string& name, const std::string& message,
                          const std::string& accepted = {}) const;
   /** Reports a warning about a parameter, which does not prevent the construction of the plug-in. */
@@ -161,9 +167,10 @@ class Parameters {
 
 /**
  * Checks a directive of a file against the declarations of a plug-in. Reports unknown names (with the nearest
- * declared ones), wrong types, counts, ranges and non-finite numbers; unknown names are warnings when
- * `lenient`. Of a parameter given twice the last one is used, as in pbrt-v4, with a warning. Parameters of
- * the directive take precedence over an Attribute directive, whose parameters may remain unused.
+ * declared ones), missing parameters, wrong types, counts, ranges and non-finite numbers; unknown names are
+ * warnings when `lenient`. Of a parameter given twice the last one is used, as in pbrt-v4, with a warning.
+ * Parameters of the directive take precedence over an Attribute directive, whose parameters may remain
+ * unused.
  */
 Parameters bindParameters(const ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
                           Diagnostics& diagnostics, bool lenient);

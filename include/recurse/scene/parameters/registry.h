@@ -27,6 +27,7 @@ template <class I, class Context> struct PlugIn : PlugInInfo {
   std::function<std::unique_ptr<I>(const Parameters&, const Context&)> make;
 };
 
+/** Plug-ins of interface I, in the order of their registration. */
 template <class I, class Context> class Registry {
  public:
   using Entry = PlugIn<I, Context>;
@@ -35,8 +36,8 @@ template <class I, class Context> class Registry {
   explicit Registry(std::string kind) : kindName(std::move(kind)) {}
 
   void add(Entry entry) { list.push_back(std::move(entry)); }
-  /** Adds common parameters to every plug-in, except those named in `except`. `finish` reads these parameters
-   * after the construction of a plug-in. */
+  /** Adds common parameters to every plug-in that is registered already, except those named in `except`.
+   * `finish` reads these parameters after the construction of a plug-in. */
   void addToAll(const std::vector<ParameterSpec>& parameters,
                 const std::function<void(I&, const Parameters&, const Context&)>& finish,
                 const std::vector<std::string>& except = {}) {
@@ -57,6 +58,7 @@ template <class I, class Context> class Registry {
     for (const Entry& e : list) out.push_back(e.name);
     return out;
   }
+  /** Plug-in of a name; null: there is none. */
   const Entry* find(const std::string& name) const {
     for (const Entry& e : list)
       if (e.name == name) return &e;
@@ -66,6 +68,7 @@ template <class I, class Context> class Registry {
   /**
    * Checks the parameters and makes the plug-in. Returns null for an unknown name, wrong parameters or a
    * SceneError of the maker, which the diagnostics describe. Passes other exceptions of the maker on.
+   * `lenient`: unknown parameters are warnings.
    */
   std::unique_ptr<I> make(const ParsedDirective& directive, const Context& context, Diagnostics& diagnostics,
                           bool lenient = false) const;

@@ -22,25 +22,28 @@ namespace recurse {
 struct SampledSpectrum {
   std::vector<double> wavelengths; ///< increasing [nm]
   std::vector<double> values;
-  double at(double wavelength) const;
+  double at(double wavelength) const; ///< value at a wavelength [nm]; 0 without samples
 };
 
+/** Colour of a spectrum by its use, as defined above. */
 Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind);
-/** Colour by Planck's law for a temperature [K]. Unless it is an emission, the spectrum is scaled to a
- * maximum of 1. */
+/** Colour by Planck's law for a temperature [K]; black for none above 0. Unless it is an emission, the
+ * spectrum is scaled to a maximum of 1. */
 Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind);
-/** Colour of one of pbrt's named spectra; empty for an unknown name. */
+/** Colour of one of pbrt's named spectra: refractive indices at a wavelength for each component, illuminants
+ * of luminance 1; empty for an unknown name. */
 std::optional<Rgbd> rgbOfNamedSpectrum(const std::string& name);
 /** Refractive index by wavelength of one of pbrt's named glasses; empty for an unknown name. */
 std::optional<SampledSpectrum> indexOfNamedGlass(const std::string& name);
 /** The range of visible light [nm]. */
 constexpr double SHORTEST_WAVELENGTH = 360, LONGEST_WAVELENGTH = 780;
 /** Contribution of daylight of a wavelength [nm] to white [1/nm], in linear Rec. 709; its integral is (1, 1,
- * 1). It is outside of the gamut: components may be negative. */
+ * 1). It is outside of the gamut: components may be negative. Zero beyond the range of visible light. */
 Rgbd daylightColour(double wavelength);
 /** Names of pbrt's named spectra. */
 const std::vector<std::string>& namedSpectra();
-/** Spectrum from pairs of wavelength and value. Throws Error when they are not a spectrum. */
+/** Spectrum from pairs of wavelength [nm] and value. Throws Error without pairs, and unless the wavelengths
+ * are positive and increase. */
 SampledSpectrum spectrumFromPairs(const std::vector<double>& pairs);
 /** Reads two columns: wavelength [nm] and value; '#' begins a comment. Throws Error. */
 SampledSpectrum readSpectrumFile(const std::string& path);
@@ -49,8 +52,9 @@ SampledSpectrum readSpectrumFile(const std::string& path);
 Mat3d whiteBalance(double kelvin);
 /** Names of pbrt's colour spaces, which rgbInColorSpace() accepts. */
 const std::vector<std::string>& namedColorSpaces();
-/** Linear Rec. 709 of an rgb value in a named colour space, moved into the gamut (not "srgb"). An emission
- * keeps its colour; a factor is defined by its effect on the white of its space, so that grey stays grey. */
+/** Linear Rec. 709 of an rgb value in a colour space of namedColorSpaces(), moved into the gamut; unchanged
+ * for "srgb" and an empty name. An emission keeps its colour; a factor is defined by its effect on the white
+ * of its space, so that grey stays grey. */
 Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind kind);
 /** CIE XYZ (2°) of linear Rec. 709. */
 Vec3d xyzOfRgb(const Rgbd& rgb);

@@ -15,8 +15,8 @@ struct EstimatorDomain {
   std::string estimator;  ///< name in explanations, such as "shadow rays"
   std::string expression; ///< its domain, in the notation of pathExpression.h
   std::string cost;       ///< its operations and their cost, in a few words
-  std::string
-      sharedGroup; ///< estimators of a group may share paths, with weights that add up to one; empty: none
+  /** Group of estimators that may share paths, with weights that add up to one; empty: none. */
+  std::string sharedGroup;
   bool hitsLights = false; ///< finds lights by rays that hit their source, which excludes delta lights
   bool onlyPanes = false;  ///< finds only those paths of the domain that pass straight through thin panes
 };

@@ -131,7 +131,7 @@ class PathRadiance {
     sum = change(sum);
     seen = change(seen);
   }
-  /** Multiplies all added radiance. */
+  /** Multiplies all added radiance by `factor`. */
   void scale(float factor) {
     for (Rgb& layer : layers) layer *= factor;
     sum *= factor;
@@ -159,6 +159,7 @@ class PathRadiance {
     add(light, eye, radiance, length);
     if (classes.join(light, eye) != 0 && isFinite(radiance)) seen += radiance;
   }
+  /** Radiance by film layer. */
   const Rgb* values() const { return layers.data(); }
   /** Sum of all radiance in at least one layer, counted once. */
   const Rgb& total() const { return sum; }
@@ -183,8 +184,8 @@ class PathRadiance {
 struct ForwardStatistics {
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0; ///< refused: not finite, or too large
   double shootSeconds = 0, balanceSeconds = 0;                        ///< [s]
-  double learningSeconds = 0; ///< processor time of work that is done once for all passes [s]
-  size_t mapBytes = 0;
+  double learningSeconds = 0; ///< processor time of learning, whose results serve later passes, too [s]
+  size_t mapBytes = 0;        ///< memory of the photon maps
   TransportCounts counts;
   std::vector<std::string> notes;    ///< automatic choices, in words
   std::vector<std::string> warnings; ///< visible consequences for the picture, in words
@@ -206,8 +207,8 @@ class PhotonSharing {
 
 /** Progress report and stop flag of a forward pass. */
 struct ForwardControl {
-  std::function<void(double fraction)> progress = [](double) {};
-  const std::atomic<bool>* stop = nullptr;
+  std::function<void(double fraction)> progress = [](double) {}; ///< `fraction`: in [0, 1]
+  const std::atomic<bool>* stop = nullptr; ///< the pass ends early, incomplete, when it is true; null: never
   /** For this pass's light paths, if Integrator::splats(); null for a pass whose splats exist already. */
   Splatter* splatter = nullptr;
   PhotonSharing* sharing = nullptr;        ///< null: all photons are shot here
@@ -259,6 +260,7 @@ struct RadiosityPatch {
   Rgb radiosity(size_t side) const { return albedo[side] * received[side]; }
 };
 
+/** Estimator of the radiance along camera rays, with a forward pass for what several rays share. */
 class Integrator {
  public:
   virtual ~Integrator() = default;

@@ -16,6 +16,7 @@ namespace recurse {
 /** Index of a missing entry of a record. */
 constexpr int NOT_RECORDED = -1;
 
+/** Kind of a vertex of a light path. */
 enum class LightVertexKind : uint8_t {
   START,   ///< emission: on the light, or outside of the scene for an infinite light
   SURFACE, ///< arrival at a surface that scatters
@@ -29,7 +30,7 @@ struct RecordedLightVertex {
   LightVertexKind kind = LightVertexKind::START;
   PathEvent event = PathEvent::D; ///< event at the previous vertex, unless that is a START
   Vec3f position{0};              ///< [scene units], relative to Scene::origin()
-  Rgb flux{0};                    ///< flux on arrival, divided by the number of light paths [W]
+  Rgb flux{0};                    ///< emitted or on arrival, divided by the number of light paths [W]
   LightState state{};             ///< state before the event at this vertex
   bool stored = false;            ///< kept as a photon, a virtual light or a vertex for connections
 };

@@ -9,6 +9,7 @@
 
 namespace recurse {
 
+/** Distribution of samples among passes. */
 enum class PassSchedule {
   ONE_MAP,   ///< one pass for all samples
   FIXED,     ///< a given number of passes, each for an equal part of the samples

@@ -60,7 +60,7 @@ struct RecordedEstimate {
   int vertex = NOT_RECORDED;
   bool caustic = false; ///< from photons of caustics
   float radius = 0;     ///< of the kernel support [scene units]
-  int photons = 0;      ///< number in the support
+  int photons = 0;      ///< number in the support; 0 as well where a cached irradiance is used
 };
 
 /** Origin of a contribution. */
@@ -79,6 +79,7 @@ struct RecordedSource {
   float otherPdf = 0; ///< of a pair's second technique, light sample or hit [1/sr]; 0: cannot make the path
 };
 
+/** Radiance that a path adds to a sample. */
 struct RecordedContribution {
   RecordedSource source;
   LayerMask classes = 0; ///< classes of the path
@@ -88,11 +89,11 @@ struct RecordedContribution {
 /** Camera path with all its branches. The indices are its first entries in the record; its entries end where
  * the entries of the next sample begin. */
 struct RecordedSample {
-  uint32_t index = 0; ///< index among the pixel's samples
-  Vec2f film{0};      ///< [pixels]
-  Vec3f origin{0}, direction{0};
-  float filterWeight = 1;
-  float rayWeight = 1; ///< weight of the camera ray
+  uint32_t index = 0;            ///< index among the pixel's samples
+  Vec2f film{0};                 ///< point of the film [pixels]
+  Vec3f origin{0}, direction{0}; ///< of the camera ray; zero where there is none
+  float filterWeight = 1;        ///< see Filter::Sample
+  float rayWeight = 1;           ///< weight of the camera ray; 0 where there is none
   /** Radiance added to the film: the sum of the contributions times `rayWeight`, unless the film clamps it or
    * changes its white. */
   Rgb total{0};

@@ -12,11 +12,11 @@
 namespace recurse {
 
 /** Names for path classes: lights by their number in the light table, then media by their index less one;
- * objects by Hit::object; materials by Material::number. A lamp without a name is called `light-N` by its
- * number, an emissive medium without a name `medium-N`. */
+ * objects by Hit::object, each with its common and its numbered name; materials by Material::number. A lamp
+ * without a name is called `light-N` by its number, an emissive medium without a name `medium-N`. */
 PathNames pathNames(const Scene& scene);
 
-/** Path classes whose expressions may name lamps and surfaces of the scene. */
+/** Path classes whose expressions may name lamps and surfaces of the scene. Throws Error like PathClasses. */
 PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
 
 /** Light sources of one name. */
