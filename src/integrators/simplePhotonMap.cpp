@@ -10,7 +10,7 @@
 #include "transport/density/gather.h"
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/localShading.h"
-#include "transport/emission/pathEnds.h"
+#include "transport/emission/emissionSampler.h"
 #include "transport/integrator/maxDepthParameter.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"

@@ -9,7 +9,7 @@
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/localShading.h"
-#include "transport/emission/pathEnds.h"
+#include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/integrator/maxDepthParameter.h"
 #include "transport/paths/recordedWalk.h"
@@ -151,7 +151,7 @@ class VirtualPointLights final : public Integrator {
              TransportCounts& counts, RecordedWalk& record) {
     Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
     const std::optional<LightStart> start =
-        startLightSubpath(scene, classes, pass.time, sampler, counts, guide);
+        startLightSubpath(scene, classes, pass.time, sampler, counts, &guide);
     if (!start) return;
     LightSubpath path = start->path;
     LightVertex vertex;

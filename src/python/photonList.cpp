@@ -8,7 +8,7 @@
 #include "python/recordArrays.h"
 #include "recurse/core/math/hash.h"
 #include "recurse/core/threads/parallel.h"
-#include "transport/emission/pathEnds.h"
+#include "transport/emission/emissionSampler.h"
 #include "transport/paths/walker.h"
 
 namespace recurse::python {
@@ -31,7 +31,6 @@ class PhotonShooter {
     if (!start) return;
     Walker<LightState> walker(scene, classes, counts, request.maxDepth);
     LightSubpath path = start->path;
-    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     LightVertex vertex;
     std::string word = "L";
     while (walker.next(path, vertex, sampler)) {

@@ -117,7 +117,7 @@ Shape "bilinearmesh" "point3 P" [-3 -.1 4  3 -.1 4  -3 -.1 -4  3 -.1 -4]
   const auto powerOnTheFloor = [&](const LightPortals* through) {
     ShootSettings settings;
     settings.photons = 400000;
-    settings.portals = through;
+    settings.emission.portals = through;
     double sum = 0;
     for (const Photon& p : shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).stored)
       if (p.position.y - scene->bounds().center.y < -0.5f) sum += double(p.power.r);

@@ -15,6 +15,7 @@
 #include "transport/density/radiusCache.h"
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/directLight.h"
+#include "transport/emission/emissionSampler.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 

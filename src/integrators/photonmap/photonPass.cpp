@@ -51,25 +51,21 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   ShootSettings shoot;
   shoot.photons = photonCount(scene, progressive);
   shoot.maxDepth = settings.maxDepth;
-  shoot.portals = &portals;
-  shoot.aim = &aim;
   // The arrival density of photons is unknown behind media.
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
-  if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
   if (scene.hasMedia()) {
     if (pass.index == 0) learnOutsideMedium(scene, statistics);
-    shoot.outside = outside;
-    shoot.outsideTransmittance = outsideTransmittance;
   }
+  shoot.emission = emission();
   if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) {
       const ProcessorTimer timer(learning);
       if (!emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
         statistics.warnings.push_back("no photon found a path from the glowing medium: it lights nothing");
     }
-    shoot.media = &emissiveMedia;
+    shoot.emission.media = &emissiveMedia;
   }
   if (pass.index == 0) {
     guidance = {};
@@ -79,7 +75,6 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
     if (settings.guided && scene.lights().size() > 0)
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
-  shoot.guide = &guidance.emission;
   shoot.region = &region;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
   if (scene.hasMedia() && !settings.causticsOnly) {
@@ -351,15 +346,23 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
 }
 
+EmissionSettings PhotonPass::emission() const {
+  EmissionSettings starts;
+  if (settings.guided) starts.lights = &lights;
+  starts.guide = &guidance.emission;
+  starts.portals = &portals;
+  starts.aim = &aim;
+  starts.outside = outside;
+  starts.outsideTransmittance = outsideTransmittance;
+  return starts;
+}
+
 LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
-  LePdf pdf = light.pdfLe(ray);
-  if (aim.isAimed(index)) pdf.direction = aim.pdfDirection(light, ray, pdf.direction);
-  if (light.isInfinite() && portals.active()) pdf.position = portals.pdf(ray.origin, ray.direction);
-  return pdf;
+  return emission().pdfLe(index, light, ray);
 }
 
 float PhotonPass::probability(const Scene& scene, uint32_t light) const {
-  return (settings.guided ? lights : scene.lights()).probability(light);
+  return emission().table(scene).probability(light);
 }
 
 float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,

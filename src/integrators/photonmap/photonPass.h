@@ -151,6 +151,8 @@ class PhotonPass {
   void noteGuidance(std::vector<std::string>& notes) const;
   /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
   LightTable lightsByPower(const LightTable& lights) const;
+  /** Starts of photons as far as they are learned, without emissive media. */
+  EmissionSettings emission() const;
   /** Learns the medium around the scene, and its transmittance for infinite lights. */
   void learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics);
   /** Selects the media that store beams, and the fractions of photons and beams to store. */

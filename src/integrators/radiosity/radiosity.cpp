@@ -11,7 +11,7 @@
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
-#include "transport/emission/pathEnds.h"
+#include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/paths/walker.h"
 
@@ -132,7 +132,7 @@ class Radiosity final : public Integrator {
     Power power(states, BLACK);
     for (int i = 0; i < rays && !control.stopped() && scene.lights().size() > 0; ++i) {
       Sampler sampler(hashCombine(pass.seed, pass.index), LIGHT_RAYS, static_cast<uint32_t>(i));
-      const auto start = startLightSubpath(scene, classes, pass.time, sampler, statistics.counts, guide);
+      const auto start = startLightSubpath(scene, classes, pass.time, sampler, statistics.counts, &guide);
       if (!start) continue;
       power[start->path.state.byte] = start->path.throughput / static_cast<float>(rays);
       send(scene, classes, start->path.ray, start->path.nesting, power, true, statistics.counts);

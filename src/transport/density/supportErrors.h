@@ -101,9 +101,6 @@ inline float ofArea(size_t j) {
   return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
 }
 
-/** Scalar measure of light for variances: sum of the channels. */
-inline float channelSum(const Rgb& c) { return c.r + c.g + c.b; }
-
 /** Errors from the photons in a map, without shadow rays. `region`: with the record's own radius; `error`:
  * bound of the error of its centre. */
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,

@@ -79,50 +79,6 @@ double shadowRayDensity(const Scene& scene, const LightSampler& lights, const Sh
   return shadowRaysThroughPanes(pdf, pdfDirection, distanceRatio);
 }
 
-std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts,
-                                            const EmissionGuide& guide) {
-  const float choice = sampler.next1D(), onLight = sampler.next1D();
-  const Vec2f position = sampler.next2D(), direction = sampler.next2D();
-  EmissionGuide::Numbers n{choice, onLight, position.x, position.y, direction.x, direction.y};
-  const float guided = guide.active() ? guide.warp(n, sampler.next1D()) : 1;
-  float pick = n[0];
-  const size_t index = scene.lights().chooseIndex(pick);
-  const float probability = scene.lights().probability(index);
-  const LightState state = classes.lightStart(index);
-  if (!(probability > 0) || classes.dead(state)) return {};
-  const Light& light = scene.lights()[index];
-  const std::optional<LeSample> emission = light.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
-  if (!emission || isBlack(emission->flux)) return {};
-  if (!isFinite(emission->flux)) {
-    ++counts.nonFinite;
-    return {};
-  }
-  LightStart start;
-  LightEnd& end = start.end;
-  end.light = &light;
-  end.index = static_cast<uint32_t>(index);
-  end.ray = *emission;
-  LightSubpath& path = start.path;
-  path.ray = {emission->origin, emission->direction, INFINITE, time};
-  path.from = emission->origin;
-  path.throughput = emission->flux / (probability * guided);
-  path.state = state;
-  path.nesting = nestingAt(scene, path.ray, counts);
-  path.optical = opticalStart(scene, classes, path.ray, path.nesting, end.isInfinite(), counts);
-  path.parallel = end.isInfinite();
-  if (path.parallel) {
-    end.pdf = double(emission->pdfDirection);
-    path.pdf = double(emission->pdfPosition);
-  } else {
-    end.pdf = double(emission->pdfPosition);
-    path.pdf = double(emission->pdfDirection);
-    if (light.kind() == LightKind::AREA) path.cosine = absDot(emission->direction, emission->normal);
-  }
-  end.pdf *= double(probability);
-  return start;
-}
-
 CameraEnd::CameraEnd(const Scene& scene, const Ray& ray) {
   const Camera& camera = scene.camera();
   if (!camera.isConnectable()) return;

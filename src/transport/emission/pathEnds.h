@@ -6,7 +6,6 @@
 
 #include "recurse/transport/integrator/integrator.h"
 #include "transport/direct/lightSampler.h"
-#include "transport/emission/emissionGuide.h"
 #include "transport/paths/pathVertex.h"
 #include "transport/weights/bidirectionalWeights.h"
 
@@ -49,17 +48,6 @@ struct ShadowRayStart {
  * through the panes underflows. */
 double shadowRayDensity(const Scene& scene, const LightSampler& lights, const ShadowRayStart& from,
                         const LightEnd& end, std::span<const WeightedVertex> vertices);
-
-/** Start of a light path. startLightSubpath() samples it and is empty where nothing is emitted. The end's
- * pdfNext is not set, because it depends on the first vertex. A `guide` changes the flux, but not the
- * densities. */
-struct LightStart {
-  LightSubpath path;
-  LightEnd end;
-};
-std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts,
-                                            const EmissionGuide& guide = {});
 
 /** Target of a visibility test from a vertex, in the form of a light sample. */
 inline LiSample visibilityTarget(const Vec3f& position, const Vec3f& direction, float distance) {

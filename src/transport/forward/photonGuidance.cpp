@@ -115,7 +115,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   EmissionGuide& guide = guidance.emission;
   ShootSettings trial = settings;
-  trial.guide = &guide;
+  trial.emission.guide = &guide;
   trial.photons = trialPhotons(settings);
   double squares = 0, guided = 0; // sums over all rounds with a guide, each learned from earlier rounds
   std::vector<EmissionGuide::TrainingSample> useful;

@@ -7,9 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/directLight.h"
-#include "transport/forward/photonStart.h"
+#include "transport/forward/shootSettings.h"
+#include "transport/media/photonBeams.h"
+#include "transport/media/volumePhotons.h"
+#include "transport/paths/recordedWalk.h"
+#include "transport/paths/walker.h"
+#include "transport/weights/mergeWeights.h"
 
 namespace recurse {
 
@@ -32,210 +36,109 @@ struct StoredPhotons {
   }
 };
 
+/** Photon between two scattering events. */
+struct PhotonPath {
+  LightSubpath path;
+  ReverseRatio ratio;
+  bool caustic = true;  ///< only delta events are between the light and the photon
+  bool straight = true; ///< only thin panes are between the light and the photon
+  RecordedWalk record{nullptr, 1};
+};
+
 /** Traces photons and stores them at non-delta surfaces and in media. */
 class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
              TransportCounts& counts, StoredPhotons& out)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out),
-        starts(scene, classes, settings, counts) {}
+      : scene(scene), classes(classes), settings(settings), out(out),
+        starts(scene, classes, settings.emission, counts), walker(scene, classes, counts, settings.maxDepth) {
+  }
 
   /** Shoots one photon. Returns the random numbers of its start and the inverse of their density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
-    const float light = sampler.next1D(), part = sampler.next1D();
-    const Vec2f position = sampler.next2D(), direction = sampler.next2D();
-    EmissionGuide::TrainingSample start{{light, part, position.x, position.y, direction.x, direction.y}, 1};
-    if (settings.guide && settings.guide->active())
-      start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    const float byMedia = starts.byMedia();
-    const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
-    storesDirect = settings.direct || fromMedium;
-    std::optional<PhotonState> photon =
-        fromMedium ? starts.fromMedium(start, time, sampler) : starts.fromLight(start, time, sampler);
-    if (!photon) return start;
-    if (record) photon->record = RecordedLightPath(*record);
-    note(*photon, LightVertexKind::START, photon->ray.origin);
-    walk(std::move(*photon), sampler);
+    const EmissionGuide::TrainingSample sample = starts.draw(sampler);
+    if (!starts.start(sample, time, sampler, origin)) return sample;
+    storesDirect = settings.direct || !origin.end.light;
+    PhotonPath photon;
+    photon.path = origin.path;
+    photon.path.throughput /= static_cast<float>(settings.photons);
+    if (origin.end.light && origin.end.isIntersectable())
+      photon.ratio = ReverseRatio::atLight(origin.end.ray, origin.pdf, origin.probability);
+    photon.record = RecordedWalk(record, 1);
+    photon.record.start(photon.path);
+    walk(photon, sampler);
     while (!waiting.empty()) {
       auto [next, ownSampler] = waiting.back();
       waiting.pop_back();
-      walk(std::move(next), ownSampler);
+      walk(next, ownSampler);
     }
-    return start;
+    return sample;
   }
 
   std::vector<RecordedLightVertex>* record = nullptr; ///< of the next photons; null: they are not recorded
 
  private:
-  static void note(PhotonState& photon, LightVertexKind kind, const Vec3f& position, bool stored = false) {
-    photon.record.add(kind, photon.event, position, photon.flux, photon.state, stored);
-  }
+  /** Whether a photon is stored where it scatters next, unless its path classes forbid it. */
+  bool isStorable(const PhotonPath& photon) const { return !photon.straight || storesDirect; }
 
-  /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
-   */
-  void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
-                 Sampler& sampler) {
-    const float part = settings.inMedia.beamPart;
-    if (part < 1 && sampler.next1D() >= part) return;
-    const float distance =
-        flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
-    out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
-                         number, photon.state.byte});
-    if (classes.isTransient()) out.lengths.beams.push_back(photon.optical.length);
-  }
-
-  enum class MediumEvent { NONE, SCATTERED, ENDED };
-  /** Samples the scattering event in the medium up to `end`. The photon is stored there, and scattered. */
-  MediumEvent sampleMedium(PhotonState& photon, float end, Sampler& sampler) {
-    const uint16_t number = photon.nesting.medium(scene);
-    const Medium* medium = scene.medium(number);
-    if (!medium) return MediumEvent::NONE;
-    const LightState after = classes.step(photon.state, PathEvent::V);
-    const bool stored =
-        (!photon.straight || storesDirect) && photon.depth != settings.maxDepth && !classes.dead(after);
-    const bool asBeam = settings.inMedia.isByBeams(number);
-    if (stored && asBeam) storeBeam(photon, *medium, number, end, sampler);
-    SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
-    const Collision c = sampleCollision(*medium, photon.ray, end, photon.hero, Absorption::SAMPLED, sampler,
-                                        spectral, [](const Rgb&) {});
-    // Roulette by the mean of the channels, which keeps powers nearly equal: the mean is constant where
-    // single channels fluctuate with their densities.
-    const float before = photon.flux.r + photon.flux.g + photon.flux.b;
-    photon.flux = spectral.throughput;
-    photon.pathPdf = spectral.pathPdf;
-    if (isBlack(photon.flux)) return MediumEvent::ENDED;
-    if (!c.scatters) return MediumEvent::NONE;
-    if (settings.causticsOnly) return MediumEvent::ENDED;
-    if (photon.depth == settings.maxDepth || classes.dead(after)) return MediumEvent::ENDED;
-    photon.optical.travel(c.t);
-    const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
-    const float part = settings.inMedia.pointPart;
-    const bool asPoint = stored && !asBeam && (part >= 1 || sampler.next1D() < part);
-    if (asPoint) {
-      out.inMedia.push_back(
-          {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
-      if (classes.isTransient()) out.lengths.inMedia.push_back(photon.optical.length);
-    }
-    note(photon, LightVertexKind::MEDIUM, position, asPoint);
-    ++photon.depth;
-    const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
-    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return MediumEvent::ENDED;
-    photon.state = after;
-    photon.event = PathEvent::V;
-    photon.caustic = photon.straight = false;
-    photon.ratio = {};
-    photon.ray.origin = position;
-    photon.ray.direction = medium->phase->sample(direction, sampler.next2D());
-    return MediumEvent::SCATTERED;
-  }
-
-  /** BSDF of the next surface that scatters; null if the photon ends before it. */
-  const Bsdf* nextSurface(PhotonState& photon, Hit& hit, Sampler& sampler) {
-    Ray& ray = photon.ray;
-    for (;;) {
-      const bool isHit = intersect(scene, ray, hit, counts);
-      if (scene.hasMedia()) {
-        if (isHit) photon.nesting.approach(hit, ray.direction);
-        const MediumEvent event = sampleMedium(photon, isHit ? hit.t : INFINITE, sampler);
-        if (event == MediumEvent::ENDED) return nullptr;
-        if (event == MediumEvent::SCATTERED) continue;
+  /** Follows a photon until it ends. */
+  void walk(PhotonPath& photon, Sampler& sampler) {
+    LightSubpath& path = photon.path;
+    const auto flight = [&](uint16_t medium, float end) { storeBeam(photon, medium, end, sampler); };
+    while (walker.next(
+        path, vertex, sampler, photon.record.escape(path, scene), [](const Rgb&) {}, flight)) {
+      bool isStored = false;
+      if (vertex.medium) {
+        if (settings.causticsOnly) return;
+        isStored = storeInMedium(photon, sampler);
+        photon.record.arrive(path, vertex, isStored);
+      } else {
+        photon.ratio.arrive(path.ray.direction, vertex.point());
+        if (settings.causticsOnly) vertex.allowed = LobeSet(vertex.allowed & DELTA_LOBES);
+        const bool keepsPhotons = vertex.scattering->keepsPhotons();
+        isStored = keepsPhotons && !classes.dead(vertex.afterD) && isStorable(photon) && store(photon);
+        photon.record.arrive(path, vertex, isStored);
+        if (keepsPhotons) split(photon, sampler);
       }
-      if (!isHit) {
-        note(photon, LightVertexKind::ESCAPE, ray.at(2 * scene.bounds().radius));
-        return nullptr;
-      }
-      photon.optical.travel(hit.t);
-      arena.reset();
-      drawWavelength(scene, photon.wavelength, sampler, hit);
-      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
-      if (bsdf) return bsdf;
-      photon.nesting.enterMedium(hit, ray.direction);
-      if (scene.hasMedia())
-        ray.origin = originBehind(ray, hit);
-      else
-        ray = spawn(hit.point, ray.direction);
+      if (!scatter(photon, sampler)) return;
     }
   }
 
-  /** Arrival of a photon at a surface. */
-  struct Arrival {
-    const Hit& hit;
-    ScatteringPoint scattering;
-    Vec3f wi; ///< unit, back along the photon's path
-    LightState afterD, afterS;
-    LobeSet allowed = NO_LOBE; ///< lobes by which the photon may leave
-  };
-
-  Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
-    photon.ratio.arrive(photon.ray.direction, hit.point);
-    const SurfaceKind kind = surfaceKind(classes, hit);
-    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
-               classes.step(photon.state, PathEvent::D, kind),
-               classes.step(photon.state, PathEvent::S, kind)};
-    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly;
-    at.allowed =
-        LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
-    return at;
-  }
-
-  /** Scatters a photon by the BSDF of a surface, with Russian roulette if its new flux is below `power`.
-   * Returns false if the photon ends. */
-  bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
-    const SurfacePoint& point = at.hit.point;
-    const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
+  /** Scatters a photon. `keptPart`: see Walker::scatter(). Returns false if the photon ends. */
+  bool scatter(PhotonPath& photon, Sampler& sampler, float keptPart = 1) {
+    const std::optional<Scatter> s = walker.scatter(photon.path, vertex, sampler, keptPart);
     if (!s) return false;
-    const Rgb scattered = photon.flux * s->weight;
-    photon.flux = scattered;
-    const float chance = std::min(1.0f, maxComponent(scattered) / power);
-    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return false;
-    photon.state = s->specular() ? at.afterS : at.afterD;
-    photon.event = s->specular() ? PathEvent::S : PathEvent::D;
-    photon.flux *= dispersedColour(point, *s, photon.wavelength);
-    photon.nesting.scatters(at.hit, at.wi, s->direction);
-    photon.optical.scatter(s->eta);
+    if (vertex.medium) {
+      photon.caustic = photon.straight = false;
+      photon.ratio = {};
+      return true;
+    }
     photon.caustic = photon.caustic && s->specular();
-    photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
+    photon.straight = photon.straight && passesPane(scene, *vertex.scattering, *s);
     if (s->specular())
-      photon.ratio.leave(s->direction, point);
+      photon.ratio.leave(s->direction, vertex.point());
     else
-      photon.ratio = ratioAfter(photon.ratio, photon.depth - 1, at.hit, at.scattering, at.wi, s->direction);
-    photon.ray = spawn(point, s->direction);
+      photon.ratio = ratioAfter(photon.ratio, s->direction);
     return true;
   }
 
   /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
    * photon carries the flux of all, since they would follow the same path. */
-  void split(PhotonState& photon, Arrival& at, Sampler& sampler) {
+  void split(PhotonPath& photon, Sampler& sampler) {
     constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
-    const int count = splitCount(photon.flux, at.hit.point.position);
+    const int count = splitCount(photon.path.throughput, vertex.point().position);
     if (count == 1) return;
-    const float power = maxComponent(photon.flux) / static_cast<float>(count);
-    const auto branch = [&](PhotonState copy, int i) {
+    const float part = 1 / static_cast<float>(count);
+    const auto branch = [&](PhotonPath copy, int i, float keptPart) {
       Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
-      if (scatter(copy, at, power, own)) waiting.emplace_back(std::move(copy), own);
+      if (scatter(copy, own, keptPart)) waiting.emplace_back(std::move(copy), own);
     };
-    const LobeSet allowed = at.allowed;
-    at.allowed = LobeSet(allowed & DELTA_LOBES);
-    branch(photon, 0);
-    at.allowed = LobeSet(allowed & NON_DELTA_LOBES);
-    photon.flux /= static_cast<float>(count);
-    for (int i = 1; i < count; ++i) branch(photon, i);
-  }
-
-  /** Follows a photon until it ends. */
-  void walk(PhotonState photon, Sampler& sampler) {
-    Hit hit;
-    while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
-      if (photon.depth == settings.maxDepth) return;
-      Arrival at = arrive(photon, hit, *bsdf);
-      const bool keepsPhotons = at.scattering.keepsPhotons();
-      const bool isStored =
-          keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect) && store(photon, at);
-      note(photon, LightVertexKind::SURFACE, hit.point.position, isStored);
-      ++photon.depth;
-      if (keepsPhotons) split(photon, at, sampler);
-      if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
-    }
+    const LobeSet allowed = vertex.allowed;
+    vertex.allowed = LobeSet(allowed & DELTA_LOBES);
+    branch(photon, 0, part);
+    vertex.allowed = LobeSet(allowed & NON_DELTA_LOBES);
+    photon.path.throughput *= part;
+    for (int i = 1; i < count; ++i) branch(photon, i, 1);
   }
 
   /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
@@ -247,22 +150,23 @@ class PhotonWalk {
     return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
-  /** Reverse ratio after a non-delta event: from the light's densities at depth 0, else by furtherOn(). */
-  ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
-                          const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
+  /** Reverse ratio after a non-delta event: from the light's densities at the first, else by furtherOn(). */
+  ReverseRatio ratioAfter(const ReverseRatio& before, const Vec3f& direction) const {
+    const ScatteringPoint& scattering = *vertex.scattering;
+    const SurfacePoint& point = vertex.point();
     // Not for fibres: both techniques would have to agree on the normal of a curve.
-    if (!settings.shadowRays || !scattering.keepsPhotons()) return {};
-    if (depth > 0)
-      return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
-                              direction, hit.point);
+    if (!settings.shadowRays || !origin.end.light || !scattering.keepsPhotons()) return {};
+    const float pdf = scattering.pdfNonDelta(vertex.wi, direction);
+    if (vertex.depth > 1)
+      return before.furtherOn(scattering.pdfNonDelta(direction, vertex.wi), pdf, direction, point);
     const LightSampler& sampler = *settings.shadowRays;
-    const PhotonOrigin& origin = starts.origin;
+    const LightEnd& end = origin.end;
     const float chosen =
-        sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
+        sampler.probability(scene.lights(), lightSampleContext(sampler, point, direction), end.index);
     const float arrivals =
-        arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
-                       absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
-    return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
+        arrivalDensity(end.light->kind(), origin.pdf, glm::distance(end.ray.origin, point.position),
+                       absDot(vertex.wi, point.geometricNormal), origin.probability, chosen);
+    return ReverseRatio::atSurface(arrivals, pdf, direction, point);
   }
 
   /** Packs a direction without a change of side: rounding could hide a grazing photon from all queries. */
@@ -277,31 +181,60 @@ class PhotonWalk {
   }
 
   /** Stores a photon. Returns false where it is parallel to the surface: no flux. */
-  bool store(const PhotonState& photon, const Arrival& at) {
-    const SurfacePoint& point = at.hit.point;
-    if (glm::dot(at.wi, point.geometricNormal) == 0) return false;
+  bool store(const PhotonPath& photon) {
+    const SurfacePoint& point = vertex.point();
+    if (glm::dot(vertex.wi, point.geometricNormal) == 0) return false;
     Photon p;
     p.position = point.position;
-    p.direction = packOnSide(at.wi, point.geometricNormal);
-    p.normal = packDirection(point.normalTowards(at.wi));
-    p.power = photon.flux;
-    p.pathState = photon.state.byte;
+    p.direction = packOnSide(vertex.wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(vertex.wi));
+    p.power = vertex.throughput;
+    p.pathState = vertex.state.byte;
     p.caustic = photon.caustic;
     p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
-    if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.optical.length);
+    if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.path.optical.length);
     return true;
+  }
+
+  /** Stores a photon that a medium scatters, unless the medium stores beams. Returns whether it is stored. */
+  bool storeInMedium(const PhotonPath& photon, Sampler& sampler) {
+    const uint16_t number = photon.path.nesting.medium(scene);
+    const float part = settings.inMedia.pointPart;
+    if (!isStorable(photon) || vertex.allowed == NO_LOBE || settings.inMedia.isByBeams(number) ||
+        (part < 1 && sampler.next1D() >= part))
+      return false;
+    out.inMedia.push_back({vertex.point().position, packDirection(-vertex.wi), vertex.throughput / part,
+                           number, vertex.state.byte});
+    if (classes.isTransient()) out.lengths.inMedia.push_back(photon.path.optical.length);
+    return true;
+  }
+
+  /** Stores a short beam along the flight of a photon through a medium that stores beams. The thinnest
+   * channel samples the beam's length, so that no channel is amplified. */
+  void storeBeam(const PhotonPath& photon, uint16_t number, float end, Sampler& sampler) {
+    const LightSubpath& path = photon.path;
+    const float part = settings.inMedia.beamPart;
+    if (!settings.inMedia.isByBeams(number) || !isStorable(photon) || path.depth == settings.maxDepth ||
+        classes.dead(classes.step(path.state, PathEvent::V)) || (part < 1 && sampler.next1D() >= part))
+      return;
+    const float distance =
+        flight::sampleDistance(thinnest(scene.medium(number)->at(path.ray.origin).extinction()), sampler);
+    out.beams.push_back({path.ray.origin, path.ray.direction, std::min(end, distance), path.throughput / part,
+                         number, path.state.byte});
+    if (classes.isTransient()) out.lengths.beams.push_back(path.optical.length);
   }
 
   const Scene& scene;
   const PathClasses& classes;
   const ShootSettings& settings;
-  TransportCounts& counts;
   StoredPhotons& out;
-  std::vector<std::pair<PhotonState, Sampler>> waiting;
-  PhotonStart starts;
+  std::vector<std::pair<PhotonPath, Sampler>> waiting;
+  EmissionSampler starts;
+  Walker<LightState> walker;
+  LightStart origin;        ///< of the current photon
+  LightVertex vertex;       ///< latest vertex of the current photon
   bool storesDirect = true; ///< see ShootSettings::direct
-  BsdfArena arena;
 };
 
 } // namespace recurse

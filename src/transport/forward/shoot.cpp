@@ -72,7 +72,8 @@ double photonMapBytes(double stored) { return 2 * sizeof(Photon) * stored; }
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control) {
   ShotPhotons shot;
-  const bool dark = scene.lights().size() == 0 && !(settings.media && !settings.media->empty());
+  const EmissiveMedia* media = settings.emission.media;
+  const bool dark = scene.lights().size() == 0 && !(media && !media->empty());
   if (dark || settings.photons == 0) return shot;
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
   std::vector<StoredPhotons> stored(batches);

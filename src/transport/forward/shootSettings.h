@@ -6,11 +6,8 @@
 #include <vector>
 
 #include "recurse/transport/integrator/lightPathRecorder.h"
-#include "transport/direct/lightPortals.h"
 #include "transport/direct/lightSampler.h"
-#include "transport/emission/emissionGuide.h"
-#include "transport/emission/emissiveMedia.h"
-#include "transport/emission/photonAim.h"
+#include "transport/emission/emissionSampler.h"
 
 namespace recurse {
 
@@ -30,14 +27,8 @@ struct ShootSettings {
   /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive
    * media always are: no other technique samples their light. */
   bool direct = true;
-  bool causticsOnly = false;             ///< photons end at the first non-delta surface, and in media
-  const EmissiveMedia* media = nullptr;  ///< emissive media besides the lights; null: none
-  uint16_t outside = 0;                  ///< index of the medium where photons of infinite lights start
-  Rgb outsideTransmittance{1};           ///< transmittance from the infinite lights to those starts
-  const EmissionGuide* guide = nullptr;  ///< density of useful starts; null: unguided
-  const LightPortals* portals = nullptr; ///< openings that admit infinite lights; null: none known
-  const PhotonAim* aim = nullptr;        ///< aim of lamps far from visible surfaces; null: unaimed
-  const LightTable* lights = nullptr;    ///< table from which lights are chosen; null: the scene's
+  bool causticsOnly = false; ///< photons end at the first non-delta surface, and in media
+  EmissionSettings emission;
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
   const LightSampler* shadowRays = nullptr;

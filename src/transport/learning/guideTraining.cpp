@@ -113,7 +113,7 @@ std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const
   shoot.photons = static_cast<uint64_t>(count);
   shoot.maxDepth = settings.maxDepth;
   shoot.direct = false;
-  shoot.guide = &emission;
+  shoot.emission.guide = &emission;
   if (!scene.hasMedia()) shoot.shadowRays = &lights;
   return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
 }

@@ -40,19 +40,20 @@ template <class State> class Walker {
   /**
    * Follows the ray to the next scattering event, at a surface or in a medium. Calls emission(const Hit*) for
    * each emitting surface on the way, the vertex itself included, and with null when the ray leaves the
-   * scene; calls mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. Returns
-   * false if the path ends.
+   * scene; calls mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput; calls
+   * flight(uint16_t, float) before each flight through a medium, with its index and the distance to the next
+   * surface. Returns false if the path ends.
    */
-  template <class Emission, class MediumEmission>
+  template <class Emission, class MediumEmission, class Flight>
   bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
-            MediumEmission&& mediumEmission) {
+            MediumEmission&& mediumEmission, Flight&& flight) {
     for (;;) {
       const bool isHit = intersect(scene, path.ray, vertex.hit, counts);
       vertex.medium = nullptr;
       if (media && isHit) path.nesting.approach(vertex.hit, path.ray.direction);
       if (media) {
         const bool scatters =
-            sampleMedium(path, vertex, isHit ? vertex.hit.t : INFINITE, sampler, mediumEmission);
+            sampleMedium(path, vertex, isHit ? vertex.hit.t : INFINITE, sampler, mediumEmission, flight);
         if (isBlack(path.throughput) || (scatters && endsByDepth(path))) return false;
         if (scatters) {
           arriveInMedium(path, vertex);
@@ -83,6 +84,11 @@ template <class State> class Walker {
         path.ray = spawn(vertex.hit.point, path.ray.direction);
     }
   }
+  template <class Emission, class MediumEmission>
+  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
+            MediumEmission&& mediumEmission) {
+    return next(path, vertex, sampler, emission, mediumEmission, [](uint16_t, float) {});
+  }
   template <class Emission> bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission) {
     return next(path, vertex, sampler, emission, [](const Rgb&) {});
   }
@@ -91,19 +97,20 @@ template <class State> class Walker {
   }
 
   /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
-   * nullopt if the path ends. */
-  std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
+   * nullopt if the path ends. A light path survives by the ratio of its flux to `keptPart` times the flux on
+   * arrival. */
+  std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler,
+                                 float keptPart = 1) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
-    constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
     const auto s = vertex.scattering->scatter(vertex.wi, TRANSPORT, sampler, vertex.allowed);
     if (!s) return {};
     const float before = maxComponent(path.throughput);
     applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
-    const float chance = TRANSPORT == Transport::FLUX
-                             ? maxComponent(path.throughput) / before // keeps fluxes nearly equal
-                             : maxComponent(path.throughput) * path.etaScale;
-    const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
+    const float chance =
+        IS_LIGHT ? maxComponent(path.throughput) / (before * keptPart) // keeps fluxes nearly equal
+                 : maxComponent(path.throughput) * path.etaScale;
+    const bool roulette = IS_LIGHT || path.depth > ROULETTE_FREE_DEPTH;
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
     spawnRay(path, vertex, *s);
     return s;
@@ -116,29 +123,43 @@ template <class State> class Walker {
   }
 
  private:
+  static constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
+  static constexpr bool IS_LIGHT = TRANSPORT == Transport::FLUX;
+
   bool endsByDepth(Path& path) const {
     if (path.depth == maxDepth) {
-      if (WalkSide<State>::TRANSPORT == Transport::RADIANCE)
-        counts.truncatedThroughput += double(maxComponent(path.throughput));
+      if (!IS_LIGHT) counts.truncatedThroughput += double(maxComponent(path.throughput));
       return true;
     }
     ++path.depth;
     return false;
   }
 
-  /** True if the medium scatters before `end`. The event is at vertex.hit.point. */
-  template <class MediumEmission>
-  bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler,
-                    MediumEmission&& emission) const {
-    const Medium* medium = scene.medium(path.nesting.medium(scene));
+  /** True if the medium scatters before `end`. The event is at vertex.hit.point. The throughput is black
+   * where the path is absorbed. */
+  template <class MediumEmission, class Flight>
+  bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler, MediumEmission&& emission,
+                    Flight&& flight) const {
+    constexpr Absorption ABSORPTION = IS_LIGHT ? Absorption::SAMPLED : Absorption::EXPECTED;
+    const uint16_t number = path.nesting.medium(scene);
+    const Medium* medium = scene.medium(number);
     if (!medium) return false;
+    flight(number, end);
+    const Rgb before = path.throughput;
     SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
     const Collision c =
-        sampleCollision(*medium, path.ray, end, path.hero, Absorption::EXPECTED, sampler, spectral, emission);
+        sampleCollision(*medium, path.ray, end, path.hero, ABSORPTION, sampler, spectral, emission);
     path.throughput = spectral.throughput;
     path.pathPdf = spectral.pathPdf;
     path.lightPdf = spectral.lightPdf;
-    if (!c.scatters) return false;
+    if (!c.scatters || isBlack(path.throughput)) return false;
+    // Light paths survive by the mean of the channels, which keeps fluxes nearly equal: it is constant where
+    // single channels fluctuate with their densities.
+    if (IS_LIGHT && !russianRoulette(std::min(1.0f, channelSum(path.throughput) / channelSum(before)),
+                                     path.depth, sampler, path.throughput)) {
+      path.throughput = BLACK;
+      return false;
+    }
     vertex.medium = medium;
     vertex.hit = Hit();
     vertex.hit.point = pointInMedium(path.ray, c.t);
@@ -167,7 +188,7 @@ template <class State> class Walker {
     if (!(s.pdf > 0)) return {};
     // Survival in proportion to the throughput, which already includes all earlier absorption.
     const float chance = maxComponent(path.throughput) * path.etaScale;
-    if (path.depth > ROULETTE_FREE_DEPTH &&
+    if (!IS_LIGHT && path.depth > ROULETTE_FREE_DEPTH &&
         !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
       return {};
     path.state = vertex.afterD;

@@ -31,7 +31,7 @@ class ReverseRatio {
   /** Ratio 0: no camera ray finds the path. */
   ReverseRatio() = default;
   /** Ratio at the emission. `probability`: of the choice of the light; 0 for lights that no ray can hit. */
-  static ReverseRatio atLight(const LeSample& emitted, const LePdf& pdf, float probability) {
+  static ReverseRatio atLight(const LeRay& emitted, const LePdf& pdf, float probability) {
     const float density = pdf.position * pdf.direction * probability;
     const float cosine = emitted.normal == Vec3f(0) ? 1 : absDot(emitted.direction, emitted.normal);
     return ReverseRatio(density > 0 ? cosine / density : 0);
