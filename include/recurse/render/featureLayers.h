@@ -1,6 +1,6 @@
 /** @file
  * Feature layers of the visible surfaces, for compositing and for denoisers: albedo, normals, depth,
- * position, and mattes of objects and materials.
+ * position, and mattes of objects and materials; and of path guiding, for studies.
  */
 #pragma once
 
@@ -9,6 +9,7 @@
 
 #include "recurse/core/image/image.h"
 #include "recurse/model/scene/scene.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 
@@ -18,10 +19,13 @@ struct FeatureLayer {
   const char* name;
   const char* channels; ///< letters: "RGB", "XYZ", "Z"; empty for mattes
   const char* meaning;
+  bool isOfScene = true; ///< false: of the integrator
 };
 const std::vector<FeatureLayer>& featureLayers();
 /** Throws Error (BAD_USAGE), with all valid names, for a name that is unknown or occurs twice. */
 void requireFeatureLayers(const std::vector<std::string>& names);
+/** Throws Error (BAD_USAGE) for a layer that the integrator cannot have. The names must be valid. */
+void requireFeatureLayers(const std::vector<std::string>& names, const Integrator& integrator);
 
 struct FeatureSettings {
   std::vector<std::string> layers; ///< names from featureLayers()
@@ -30,7 +34,8 @@ struct FeatureSettings {
   uint64_t seed = 0;
 };
 
-/** Channels LAYER.LETTER of the film's crop window, and the channels of mattes (cryptomatte.h). */
-Image renderFeatures(const Scene& scene, const FeatureSettings& settings);
+/** Channels LAYER.LETTER of the film's crop window, and the channels of mattes (cryptomatte.h). Layers of the
+ * integrator have the state after its latest pass. */
+Image renderFeatures(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings);
 
 } // namespace recurse
