@@ -112,10 +112,10 @@ TEST(FeatureLayers, TheGuideIsOneWhereItIsSampledAndZeroWhereItIsOff) {
 }
 
 TEST(FeatureLayers, TheGuideIsSeenInAMirror) {
-  // A small mirror before the camera shows the floor behind it.
+  // A small mirror on the way to the middle of the floor shows the floor before it.
   const std::string mirror =
       "Material \"conductor\" \"rgb reflectance\" [1 1 1]\n"
-      "Shape \"bilinearmesh\" \"point3 P\" [-.05 .2 -1.5  .05 .2 -1.5  -.05 .3 -1.5  .05 .3 -1.5]\n";
+      "Shape \"bilinearmesh\" \"point3 P\" [-.05 .02 -.3  .05 .02 -.3  -.05 .08 -.3  .05 .08 -.3]\n";
   for (const float share : guideLayer(recurse::testing::floorBelowHole(0.3) + mirror).pixels)
     EXPECT_EQ(share, 1);
 }

@@ -22,6 +22,26 @@ TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   EXPECT_LT(b.standardError(), 0.85 * a.standardError());
 }
 
+TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
+  // Every pixel sees nearly the same point of the floor, whose radiance is known: a bias would be a plateau.
+  constexpr double HOLE = 0.3;
+  const double factor = holeFormFactor(HOLE), radiance = 0.5 * factor * HOLE_RADIANCE;
+  const auto scene = sceneFrom(floorBelowHole(HOLE, 16));
+  const PathClasses classes;
+  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  // Relative variance of a sample, from the squared error of pixels.
+  const auto variance = [&](int spp) {
+    const Rendered out = renderScene(*scene, *guided, classes, spp, 4);
+    double squares = 0;
+    for (size_t i = 0; i < out.pixels(); ++i) squares += square(out.luminanceAt(i) / radiance - 1);
+    return spp * squares / double(out.pixels());
+  };
+  const double cosine = 1 / factor - 1, early = variance(16), late = variance(samples(1024));
+  EXPECT_LT(early, 0.6 * cosine);
+  EXPECT_LT(late, 1.2 * early);
+  EXPECT_LT(variance(128), 1.2 * early);
+}
+
 TEST(GuidedPath, StatisticsAreOfTheLatestPass) {
   const auto scene = sceneFrom(slitRoom());
   const PathClasses classes;

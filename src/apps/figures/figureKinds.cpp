@@ -8,7 +8,7 @@
 
 #include "apps/options/optionText.h"
 #include "recurse/core/threads/resources.h"
-#include "recurse/report/figures/guideFigure.h"
+#include "recurse/report/directions/guideFigure.h"
 
 namespace recurse::apps {
 
@@ -171,7 +171,7 @@ FigureDrawing drawGuide(const FigureRun& run) {
   const GuideFigure figure = guideFigure(scene, *run.made(path), pixels, stagesOf(run.options),
                                          run.settings.samplesPerPixel, run.settings.seed, run.stop);
   return figureSheet("directions of light",
-                     run.scene + formatted(", %d samples of a cell; ", run.settings.samplesPerPixel) +
+                     run.scene + formatted(", rays of a cell: %d; ", run.settings.samplesPerPixel) +
                          guideText(figure.guide),
                      guidePanels(figure));
 }

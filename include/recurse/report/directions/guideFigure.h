@@ -32,8 +32,8 @@ struct PixelDirections {
   double leftToRays = 0;           ///< luminance of the reflected light of LEFT_TO_RAYS [W/(m² sr)]
   bool isGuidable = true;          ///< false: the material is never guided
   LearnedDirections learned;       ///< valid as long as the integrator's pass
-  /** Relative variance of one sample of LEFT_TO_RAYS by BSDF sampling here and by the mixture; beyond, both
-   * have the same paths. NaN without such light. */
+  /** Relative variance of one sample of LEFT_TO_RAYS by BSDF sampling here and by the mixture, with the
+   * choice between delta lobes and others; beyond, both have the same paths. NaN without such light. */
   double bsdfVariance = 0, mixtureVariance = 0;
 
   double integral(Density density) const;

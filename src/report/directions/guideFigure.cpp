@@ -1,7 +1,7 @@
 /** @file
  * Directions of light at single points, estimated by rays and learned by the guide.
  */
-#include "recurse/report/figures/guideFigure.h"
+#include "recurse/report/directions/guideFigure.h"
 
 #include <cmath>
 #include <numeric>
@@ -9,7 +9,7 @@
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/parallel.h"
-#include "report/figures/hemisphereDisc.h"
+#include "report/directions/hemisphereDisc.h"
 #include "report/figures/visiblePoints.h"
 
 namespace recurse {
@@ -72,7 +72,6 @@ class PointDirections {
   }
 
   void fillIncident(size_t cell, int64_t samples) {
-    const PathClasses classes;
     TransportCounts counts;
     PathRadiance radiance(classes, counts);
     double sum = 0;
@@ -91,17 +90,13 @@ class PointDirections {
   }
 
   /** Adds a camera path through the point. */
-  void addPath(Sampler& sampler, TransportCounts& counts, PathSums& sums) const {
-    const PathClasses classes;
-    PathRadiance radiance(classes, counts);
+  void addPath(Sampler& sampler, PathRadiance& radiance, PathSums& sums) const {
     PathRecorder record;
     record.beginSample({});
     radiance.recorder = &record;
     integrator.backward(scene, {viewed.ray}, sampler, radiance);
-    const bool hasLeft = !record.steps().empty();
-    if (hasLeft && record.steps()[0].event != PathEvent::D) return; // by a delta lobe
     ++sums.count;
-    if (!hasLeft) return;
+    if (record.steps().empty() || record.steps()[0].event != PathEvent::D) return;
     Rgb found = BLACK;
     for (const RecordedContribution& c : record.contributions()) {
       const bool isHit = c.source.technique == PathTechnique::HIT;
@@ -122,9 +117,10 @@ class PointDirections {
     std::vector<PathSums> rows(HemisphereDisc::CELLS);
     parallelFor(rows.size(), [&](size_t row) {
       TransportCounts counts;
+      PathRadiance radiance(classes, counts);
       for (int64_t i = 0; i < samples * HemisphereDisc::CELLS && !stop; ++i) {
         Sampler sampler(hashCombine(seed, PATH_STREAM), row, static_cast<uint32_t>(i));
-        addPath(sampler, counts, rows[row]);
+        addPath(sampler, radiance, rows[row]);
       }
     });
     PathSums all;
@@ -160,6 +156,7 @@ class PointDirections {
   const ViewedPoint& viewed;
   uint64_t seed;
   const std::atomic<bool>& stop;
+  const PathClasses classes;
   HemisphereDisc disc;
   ScatteringPoint bsdf, mixture;
   PixelDirections out;
