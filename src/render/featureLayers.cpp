@@ -99,16 +99,16 @@ const std::vector<FeatureLayer>& featureLayers() {
 }
 
 void requireFeatureLayers(const std::vector<std::string>& names) {
+  std::string there;
+  for (const FeatureLayer& layer : featureLayers()) there.append(" ").append(layer.name);
+  const auto refuseUnknown = [&](const std::string& name) {
+    throw Error("--layers: there is no layer '" + name + "'; there are:" + there, ExitStatus::BAD_USAGE);
+  };
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    std::string there;
-    bool isKnown = false;
-    for (const FeatureLayer& layer : featureLayers()) {
-      isKnown |= name == layer.name;
-      there += std::string(" ") + layer.name;
-    }
-    if (!isKnown)
-      throw Error("--layers: there is no layer '" + name + "'; there are:" + there, ExitStatus::BAD_USAGE);
+    const bool isKnown = std::any_of(featureLayers().begin(), featureLayers().end(),
+                                     [&](const FeatureLayer& layer) { return name == layer.name; });
+    if (!isKnown) refuseUnknown(name);
     if (!seen.insert(name).second)
       throw Error("--layers: '" + name + "' is given twice", ExitStatus::BAD_USAGE);
   }
