@@ -96,6 +96,7 @@ class Leader {
     countSamples(film, out);
     out.error = errors.error();
     out.notes = worker.renderer.statistics().notes;
+    out.guide = worker.renderer.statistics().guide;
     for (const std::string& w : worker.renderer.statistics().warnings) out.warnings.push_back(w);
     out.stopReason = reason.value_or(StopReason::SAMPLES);
     out.oneMap = samples.hasOneMap() && out.photonsEmitted > 0;
@@ -339,7 +340,7 @@ class Leader {
     s.samplesPerPixel = (before + s.samplesDone) / tiles;
     s.error = errors.error();
     s.errorSamples = errors.samples();
-    return pictureProgress(s, settings);
+    return withLearning(pictureProgress(s, settings), statistics());
   }
   double tileSamplesLeft() const {
     double left = queue.size();

@@ -103,6 +103,7 @@ RenderResult PythonScene::render(const RenderRequest& request,
   require(plan.overrides);
   const PathClasses classes = pathClassesOf(request.classes, *loaded.scene);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
+  requireFeatureLayers(request.features, *loaded.integrator);
   apps::withdrawStop();
   apps::RenderResult result =
       apps::renderLoaded(loaded, classes, plan, options, [&](RenderProgress& p) { progress(p); });
@@ -112,7 +113,7 @@ RenderResult PythonScene::render(const RenderRequest& request,
   if (!request.features.empty()) {
     FeatureSettings features;
     features.layers = request.features;
-    image = withChannels(image, renderFeatures(*loaded.scene, features));
+    image = withChannels(image, renderFeatures(*loaded.scene, *loaded.integrator, features));
   }
   result.explainBlackness();
   return {std::make_shared<Image>(std::move(image)), apps::statisticsJson(report)};

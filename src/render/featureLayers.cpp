@@ -17,7 +17,7 @@ namespace recurse {
 
 namespace {
 
-enum Feature { ALBEDO, NORMAL, GEOMETRIC_NORMAL, DEPTH, POSITION, FEATURES };
+enum Feature { ALBEDO, NORMAL, GEOMETRIC_NORMAL, DEPTH, POSITION, GUIDE, FEATURES };
 
 /** Features that one sample sees. */
 struct SeenFeatures {
@@ -37,8 +37,9 @@ Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
 
 class FeatureWalk {
  public:
-  FeatureWalk(const Scene& scene, bool throughSpecular)
-      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1, false) {}
+  FeatureWalk(const Scene& scene, const Integrator& integrator, bool throughSpecular)
+      : scene(scene), integrator(integrator), throughSpecular(throughSpecular),
+        walker(scene, classes, counts, -1, false) {}
 
   SeenFeatures see(const CameraRay& ray, Sampler& sampler) {
     CameraSubpath path = startCameraSubpath(scene, classes, ray, counts);
@@ -48,25 +49,31 @@ class FeatureWalk {
     for (int i = 0; walker.next(path, vertex, sampler); ++i) {
       const SurfacePoint& point = vertex.point();
       depth += double(length(point.position - path.from));
-      const bool isSpecular = (vertex.scattering->lobes() & NON_DELTA_LOBES) == 0;
-      if (throughSpecular && isSpecular && i < MAX_SPECULAR) {
-        if (!walker.scatter(path, vertex, sampler)) return out;
-        continue;
+      const bool isSpecular = !vertex.scattering->hasNonDelta(), isFollowed = isSpecular && i < MAX_SPECULAR;
+      if (!out.surface && !(throughSpecular && isFollowed)) {
+        out.surface = true;
+        out.values[ALBEDO] = Vec3f(sampledAlbedo(vertex, sampler));
+        out.values[NORMAL] = facing(point.shadingNormal, vertex.wi);
+        out.values[GEOMETRIC_NORMAL] = facing(point.geometricNormal, vertex.wi);
+        out.values[DEPTH] = Vec3f(static_cast<float>(depth));
+        out.values[POSITION] = Vec3f(Vec3d(point.position) + scene.origin());
       }
-      const auto facing = [&](const Vec3f& n) { return dot(n, vertex.wi) < 0 ? -n : n; };
-      out.surface = true;
-      out.values[ALBEDO] = Vec3f(sampledAlbedo(vertex, sampler));
-      out.values[NORMAL] = facing(point.shadingNormal);
-      out.values[GEOMETRIC_NORMAL] = facing(point.geometricNormal);
-      out.values[DEPTH] = Vec3f(static_cast<float>(depth));
-      out.values[POSITION] = Vec3f(Vec3d(point.position) + scene.origin());
-      return out;
+      if (!isSpecular) out.values[GUIDE] = Vec3f(isGuided(vertex));
+      const bool needsNonDelta = integrator.learnsDirections() || !out.surface;
+      if (!(isFollowed && needsNonDelta) || !walker.scatter(path, vertex, sampler)) return out;
     }
     return out;
   }
 
  private:
+  static Vec3f facing(const Vec3f& normal, const Vec3f& wi) { return dot(normal, wi) < 0 ? -normal : normal; }
+  /** Whether a camera path samples the guide at a vertex. */
+  bool isGuided(const CameraVertex& vertex) const {
+    return vertex.scattering->isGuidable() && integrator.directionsAt(vertex.point(), vertex.wi).isSampled;
+  }
+
   const Scene& scene;
+  const Integrator& integrator;
   const bool throughSpecular;
   PathClasses classes;
   TransportCounts counts;
@@ -82,29 +89,43 @@ const std::vector<FeatureLayer>& featureLayers() {
       {"geonormal", "XYZ", "geometric normal of the surface"},
       {"depth", "Z", "distance along the ray from the camera"},
       {"position", "XYZ", "position in world space"},
+      {"guide", "Y",
+       "fraction of the samples whose first non-delta surface, seen directly or by mirrors and glass, has a "
+       "guide that camera paths sample",
+       false},
       {"cryptoobject", "", "Cryptomatte by objects"},
       {"cryptomaterial", "", "Cryptomatte by materials"}};
   return ALL;
 }
 
 void requireFeatureLayers(const std::vector<std::string>& names) {
+  std::string there;
+  for (const FeatureLayer& layer : featureLayers()) there.append(" ").append(layer.name);
+  const auto refuseUnknown = [&](const std::string& name) {
+    throw Error("--layers: there is no layer '" + name + "'; there are:" + there, ExitStatus::BAD_USAGE);
+  };
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    std::string there;
-    bool isKnown = false;
-    for (const FeatureLayer& layer : featureLayers()) {
-      isKnown |= name == layer.name;
-      there += std::string(" ") + layer.name;
-    }
-    if (!isKnown)
-      throw Error("--layers: there is no layer '" + name + "'; there are:" + there, ExitStatus::BAD_USAGE);
+    const bool isKnown = std::any_of(featureLayers().begin(), featureLayers().end(),
+                                     [&](const FeatureLayer& layer) { return name == layer.name; });
+    if (!isKnown) refuseUnknown(name);
     if (!seen.insert(name).second)
       throw Error("--layers: '" + name + "' is given twice", ExitStatus::BAD_USAGE);
   }
 }
 
-Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
+void requireFeatureLayers(const std::vector<std::string>& names, const Integrator& integrator) {
+  for (const FeatureLayer& layer : featureLayers())
+    if (!layer.isOfScene && !integrator.learnsDirections() &&
+        std::find(names.begin(), names.end(), layer.name) != names.end())
+      throw Error(std::string("--layers: '") + layer.name +
+                      "' is of path guiding; add --integrator path --set guided=true",
+                  ExitStatus::BAD_USAGE);
+}
+
+Image renderFeatures(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings) {
   requireFeatureLayers(settings.layers);
+  requireFeatureLayers(settings.layers, integrator);
   const auto requested = [&](const char* name) {
     return std::find(settings.layers.begin(), settings.layers.end(), name) != settings.layers.end();
   };
@@ -127,7 +148,7 @@ Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
   const PixelBounds& crop = scene.film().crop;
   Image out(crop.width(), crop.height(), names);
   parallelFor(size_t(out.height), [&](size_t row) {
-    FeatureWalk walk(scene, settings.throughSpecular);
+    FeatureWalk walk(scene, integrator, settings.throughSpecular);
     for (int x = 0; x < out.width; ++x) {
       const Vec2f corner(float(x + crop.x0), float(int(row) + crop.y0));
       const uint64_t stream = uint64_t(uint32_t(int(row) + crop.y0)) << 32 | uint32_t(x + crop.x0);

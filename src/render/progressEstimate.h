@@ -50,6 +50,13 @@ inline RenderProgress pictureProgress(const PictureState& state, const RenderSet
   return p;
 }
 
+/** The progress with what has been learned. */
+inline RenderProgress withLearning(RenderProgress p, const RenderStatistics& statistics) {
+  p.learningSeconds = statistics.learningProcessorSeconds;
+  p.guide = statistics.guide;
+  return p;
+}
+
 /** Progress of the photons before the first sample: `fraction` of them are made. The remaining time is
  * extrapolated once 2 % are. */
 inline RenderProgress photonProgress(double fraction, double elapsed, double error = -1) {

@@ -30,6 +30,7 @@ void continueFrom(RenderStatistics& now, const RenderStatistics& before) {
   RenderStatistics sum = before;
   sum.threads = now.threads;
   sum.notes = now.notes;
+  sum.guide = now.guide;
   sum.warnings = now.warnings;
   sum.learningProcessorSeconds += now.learningProcessorSeconds;
   now = sum;
@@ -61,7 +62,8 @@ class RenderLoop final : private RenderPause {
     if (sample > first) rule.completeFirstSample();
     control.stop = &abandon;
     control.progress = [this](double fraction) {
-      reporter.tell([&] { return photonProgress(fraction, elapsed(), errors.error()); });
+      reporter.tell(
+          [&] { return withLearning(photonProgress(fraction, elapsed(), errors.error()), statistics); });
     };
   }
 
@@ -168,7 +170,7 @@ class RenderLoop final : private RenderPause {
       raysDone += counts.rays;
       if (taken == 0) return;
       if (saves.isDue(elapsed()) || looks.isDue(elapsed()) || isAsked()) isPausing = true;
-      reporter.tell([&] { return pictureProgress(state(), settings); });
+      reporter.tell([&] { return progressNow(); });
     });
     return tilesDone == tileCounts.size();
   }
@@ -195,6 +197,7 @@ class RenderLoop final : private RenderPause {
     s.errorSamples = errors.samples();
     return s;
   }
+  RenderProgress progressNow() const { return withLearning(pictureProgress(state(), settings), statistics); }
   void estimateError() {
     const double begin = elapsed(), error = film.relativeError();
     errors.add(error, double(film.totalSamples()), begin, elapsed());
@@ -227,7 +230,7 @@ class RenderLoop final : private RenderPause {
     statistics.gatherSeconds =
         statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
     statistics.stopReason = rule.reason(stop, errors.error(), sample >= last);
-    reporter.finish(pictureProgress(state(), settings));
+    reporter.finish(progressNow());
     return statistics;
   }
 

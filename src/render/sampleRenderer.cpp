@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "recurse/core/io/text.h"
 #include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
@@ -160,6 +161,12 @@ class EyeBatch {
 
 } // namespace
 
+std::string guideText(const GuideStatistics& guide) {
+  return formatted("guide: %llu cells, %.0f %% of them sampled, learned from %llu records",
+                   static_cast<unsigned long long>(guide.cells), 100 * guide.fractionOn(),
+                   static_cast<unsigned long long>(guide.records));
+}
+
 SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                                const RenderSettings& settings, Film& film,
                                const std::function<void(const std::string&)>& log)
@@ -236,7 +243,10 @@ bool SampleRenderer::shootPass(int64_t index, bool splats, ForwardControl& contr
   ++statistics.forwardPasses;
   statistics.notes.insert(statistics.notes.end(), forward.notes.begin(), forward.notes.end());
   statistics.warnings.insert(statistics.warnings.end(), forward.warnings.begin(), forward.warnings.end());
+  const bool isTrained = forward.guide && forward.guide != statistics.guide;
+  if (forward.guide) statistics.guide = forward.guide;
   if (log) {
+    if (isTrained) log(guideText(*statistics.guide));
     for (const std::string& note : forward.notes) log(note);
     for (const std::string& warning : forward.warnings) log("warning: " + warning);
   }

@@ -13,6 +13,12 @@ namespace {
 
 using FigureProgram = Program;
 
+/** Options that a kind cannot do without. */
+std::vector<std::string> neededBy(const std::string& kind) {
+  return kind == "guide" ? std::vector<std::string>{"--pixel", "12,12", "--pixel", "3,14", "--stages", "2"}
+                         : std::vector<std::string>{};
+}
+
 /** Number of pixels that are not white paper. */
 size_t inkOf(const Image& image) {
   size_t count = 0;
@@ -24,8 +30,11 @@ size_t inkOf(const Image& image) {
 } // namespace
 
 TEST_F(FigureProgram, EachKindIsAPicture) {
-  for (const std::string kind : {"pyramid", "mis", "samplings", "estimate", "acne", "patches", "cost"}) {
-    const Outcome o = run({"figure", kind, "scene.pbrt", "-o", kind + ".png", "--spp", "2", "-q"});
+  for (const std::string kind :
+       {"pyramid", "mis", "samplings", "estimate", "acne", "patches", "guide", "cost"}) {
+    std::vector<std::string> words = {"figure", kind, "scene.pbrt", "-o", kind + ".png", "--spp", "2", "-q"};
+    for (const std::string& word : neededBy(kind)) words.push_back(word);
+    const Outcome o = run(words);
     ASSERT_EQ(o.status, 0) << kind << o.err;
     EXPECT_GT(inkOf(readImage(file(kind + ".png"))), 2u * 24 * 16) << kind;
   }
@@ -40,6 +49,22 @@ TEST_F(FigureProgram, WritesSvg) {
   size_t pictures = 0;
   for (size_t at = svg.find("<image "); at != std::string::npos; at = svg.find("<image ", at + 1)) ++pictures;
   EXPECT_EQ(pictures, 5u);
+}
+
+TEST_F(FigureProgram, TheGuideHasAnEntryForEachPixel) {
+  const Outcome o = run({"figure", "guide", "scene.pbrt", "-o", "g.svg", "--pixel", "12,12", "--pixel",
+                         "3,14", "--stages", "1", "--spp", "1", "-q"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const std::string svg = contents(file("g.svg"));
+  for (const char* text : {"directions of light", "guide: ", ">12,12: all light, E = ",
+                           ">3,14: all light, E = ", ">left to rays, ", "per sr, logarithmic"})
+    EXPECT_TRUE(has(svg, text)) << text;
+}
+
+TEST_F(FigureProgram, TheGuideNeedsASurface) {
+  const Outcome o = run({"figure", "guide", "scene.pbrt", "-o", "g.png", "--pixel", "0,0", "--spp", "1"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "pixel 0,0 sees no surface with a non-delta lobe")) << o.err;
 }
 
 TEST_F(FigureProgram, OptionsOfAKindChangeItsFigure) {
@@ -109,6 +134,13 @@ TEST_F(FigureProgram, WrongUsageIsRefused) {
   refusedOf("acne", {"--offsets", "-1"}, "--offsets");
   refusedOf("acne", {"--offsets", "0,a"}, "--offsets");
   refusedOf("patches", {"--photons", "1000"}, "--photons");
+  refusedOf("guide", {}, "--pixel X,Y");
+  refusedOf("guide", {"--pixel", "24,0"}, "--pixel: 24,0 is outside of the picture of 0,0 to 23,15");
+  refusedOf("guide", {"--pixel", "3"}, "--pixel: 3 is not X,Y");
+  refusedOf("guide", {"--pixel", "3,4", "--stages", "0"}, "--stages");
+  refusedOf("guide", {"--pixel", "3,4", "--set", "guided=false"}, "--set guided");
+  refusedOf("guide", {"--pixel", "3,4", "--integrator", "bdpt"}, "--integrator");
+  refusedOf("cost", {"--pixel", "3,4"}, "--pixel: 'figure cost' has no such option");
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--integrator", "bdpt"}).status, 2);
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);
   EXPECT_EQ(run({"figure", "cost", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);

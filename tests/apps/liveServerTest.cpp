@@ -179,6 +179,17 @@ TEST_F(LivePage, OnlyWhoHasThePrintedAddressMayWatchAndStop) {
   EXPECT_EQ(o.status, 130) << o.err;
 }
 
+TEST_F(LivePage, HasTheGuideAndTheTimeThatLearningTakes) {
+  nlohmann::json state;
+  live({"--set", "guided=true"}, [&](const PageAddress& page) {
+    comesTo([&] { return !(state = stateOf(page))["guide"].is_null(); });
+  });
+  EXPECT_GT(state["guide"]["cells"], 0);
+  EXPECT_GT(state["guide"]["records"], 0);
+  EXPECT_LE(state["guide"]["fraction_on"], 1);
+  EXPECT_GT(state["learning_seconds"], 0);
+}
+
 TEST_F(LivePage, NamesOfTheMachineAreAllowedByOption) {
   const Outcome o = live({"--live-host", "studio.example"}, [&](const PageAddress& page) {
     for (const char* host : {"studio.example:80", "STUDIO.example", "localhost:9000", "127.0.0.1", "[::1]:1"})

@@ -231,6 +231,40 @@ TEST_F(ProgramRender, StatisticsSplitProcessorTime) {
   EXPECT_LT(traced["photons"], 0.01);
 }
 
+TEST_F(ProgramRender, StatisticsHaveTheGuide) {
+  const auto render = [&](const std::string& guided) {
+    return run({"render", "scene.pbrt", "--integrator", "path", "--set", "guided=" + guided, "--spp", "4",
+                "--stats", "s.json", "-o", "a.exr"});
+  };
+  const Outcome o = render("true");
+  ASSERT_EQ(o.status, 0) << o.err;
+  const nlohmann::json json = nlohmann::json::parse(contents(file("s.json"))), guide = json["guide"];
+  EXPECT_GT(guide["cells"], 0);
+  EXPECT_GT(guide["records"], 0);
+  EXPECT_NEAR(guide["fraction_on"], guide["cells_on"].get<double>() / guide["cells"].get<double>(), 1e-9);
+  EXPECT_GT(json["processor_seconds_by_part"]["learning"], 0);
+  EXPECT_TRUE(has(o.err, "guide: " + guide["cells"].dump() + " cells, ")) << o.err;
+  EXPECT_TRUE(
+      has(o.err, " % of them sampled, learned from " + guide["records"].dump() + " records; learning took "))
+      << o.err;
+  render("false");
+  EXPECT_TRUE(nlohmann::json::parse(contents(file("s.json")))["guide"].is_null());
+}
+
+TEST_F(ProgramRender, LayersOfTheGuideNeedAGuide) {
+  const std::vector<std::string> words = {"render", "scene.pbrt", "--spp",        "4",   "--layers", "guide",
+                                          "-o",     "a.exr",      "--integrator", "path"};
+  const Outcome without = run(words);
+  EXPECT_EQ(without.status, 2);
+  EXPECT_TRUE(
+      has(without.err, "--layers: 'guide' is of path guiding; add --integrator path --set guided=true"))
+      << without.err;
+  std::vector<std::string> guided = words;
+  guided.insert(guided.end(), {"--set", "guided=true"});
+  ASSERT_EQ(run(guided).status, 0);
+  EXPECT_TRUE(has(run({"info", "a.exr"}).out, "guide.Y"));
+}
+
 TEST_F(ProgramRender, ProgressAsJsonAndOff) {
   const Outcome json =
       run({"render", "scene.pbrt", "--integrator", "path", "--progress", "json", "-o", "a.exr"});

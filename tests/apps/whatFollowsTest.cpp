@@ -60,7 +60,7 @@ TEST_F(WhatFollows, FeatureLayersEndByAnInterrupt) {
     features.layers = {layer};
     stops([&](const std::atomic<bool>& stop) {
       Image image(64, 64, {"R", "G", "B"});
-      EXPECT_FALSE(addFeatures(image, *loaded.scene, features, stop));
+      EXPECT_FALSE(addFeatures(image, loaded, features, stop));
       EXPECT_EQ(image.channels.size(), 3u);
     });
   }

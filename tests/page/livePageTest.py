@@ -241,6 +241,22 @@ class LivePhotonPage(Page):
         self.assertEqual(browser.complaints, [])
 
 
+class LiveGuidedPage(Page):
+    """A render that learns directions."""
+
+    def setUp(self):
+        self.render = Render("--live", "--set", "guided=true")
+        self.assertIsNotNone(self.render.url)
+
+    tearDown = LivePage.tearDown
+
+    def testShowsTheGuideAndTheTimeOfLearning(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        until(lambda: self.text("#guide") != "–")
+        self.assertRegex(self.text("#guide"), r"^[1-9]\d* cells, \d+ % sampled$")
+        self.assertRegex(self.text("#learning"), r"\d")
+
+
 class DisplayServer(unittest.TestCase):
     """Reads the packets of the tev protocol."""
 

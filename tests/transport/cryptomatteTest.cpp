@@ -35,7 +35,8 @@ std::map<uint32_t, double> coverage(const Image& image, const std::string& matte
 
 Image mattes(const std::string& text, bool throughSpecular = false) {
   const auto scene = recurse::testing::sceneFrom(HEAD + text);
-  return renderFeatures(*scene, {{"cryptoobject", "cryptomaterial"}, 16, throughSpecular, 1});
+  const auto path = recurse::testing::integratorFrom("path", "");
+  return renderFeatures(*scene, *path, {{"cryptoobject", "cryptomaterial"}, 16, throughSpecular, 1});
 }
 
 } // namespace

@@ -3,6 +3,7 @@
  */
 #include "transport/rendering.h"
 
+#include "guidedScenes.h"
 #include "recurse/render/featureLayers.h"
 
 using namespace recurse;
@@ -11,13 +12,14 @@ namespace {
 
 Image features(const std::string& text, FeatureSettings settings) {
   const auto scene = recurse::testing::sceneFrom(text);
-  return renderFeatures(*scene, settings);
+  const auto path = recurse::testing::integratorFrom("path", "");
+  return renderFeatures(*scene, *path, settings);
 }
 
 std::vector<std::string> allLayers() {
   std::vector<std::string> names;
   for (const FeatureLayer& layer : featureLayers())
-    if (*layer.channels) names.emplace_back(layer.name); // not the mattes
+    if (*layer.channels && layer.isOfScene) names.emplace_back(layer.name); // not the mattes
   return names;
 }
 
@@ -88,4 +90,36 @@ TEST(FeatureLayers, AlbedoOfGlassIsAllTheLight) {
       features(SMALL_FILM + "WorldBegin\nTranslate 1 2 0\nMaterial \"dielectric\"\nShape \"sphere\"\n",
                {{"albedo"}, 16, false, 1});
   EXPECT_NEAR(f.at(16, 16)[1], 1, 1e-4f);
+}
+
+namespace {
+
+/** Layer of the guide after a render of 16 samples. */
+Image guideLayer(const std::string& text) {
+  const auto scene = recurse::testing::sceneFrom(text);
+  const auto path = recurse::testing::integratorFrom("path", "\"bool guided\" true");
+  recurse::testing::renderScene(*scene, *path, PathClasses(), 16, 1);
+  return renderFeatures(*scene, *path, {{"guide"}, 4, false, 1});
+}
+
+} // namespace
+
+TEST(FeatureLayers, TheGuideIsOneWhereItIsSampledAndZeroWhereItIsOff) {
+  const Image below = guideLayer(recurse::testing::floorBelowHole(0.3));
+  EXPECT_EQ(below.channels, std::vector<std::string>{"guide.Y"});
+  for (const float share : below.pixels) EXPECT_EQ(share, 1);
+  for (const float share : guideLayer(recurse::testing::floorBelowHole(0)).pixels) EXPECT_EQ(share, 0);
+}
+
+TEST(FeatureLayers, TheGuideIsSeenInAMirror) {
+  // A small mirror on the way to the middle of the floor shows the floor before it.
+  const std::string mirror =
+      "Material \"conductor\" \"rgb reflectance\" [1 1 1]\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [-.05 .02 -.3  .05 .02 -.3  -.05 .08 -.3  .05 .08 -.3]\n";
+  for (const float share : guideLayer(recurse::testing::floorBelowHole(0.3) + mirror).pixels)
+    EXPECT_EQ(share, 1);
+}
+
+TEST(FeatureLayers, TheGuideNeedsAnIntegratorThatLearns) {
+  EXPECT_THROW(features(recurse::testing::floorBelowHole(0.3), {{"guide"}, 1, false, 1}), Error);
 }

@@ -3,32 +3,11 @@
  */
 #include <gtest/gtest.h>
 
-#include "sceneRendering.h"
+#include "guidedScenes.h"
 #include "transport/learning/guideTraining.h"
 
 using namespace recurse;
 using namespace recurse::testing;
-
-namespace {
-
-/** A room that is lit through a slit in the wall between it and a room with a lamp. */
-std::string slitRoom() {
-  return view(32, 24, "-1.8 0 0  1 0 0  0 1 0", perspective(70)) + R"(
-Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  4 -1 -1  4 -1 1  -2 -1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 1 -1  4 1 -1  4 1 1  -2 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  4 -1 -1  4 1 -1  -2 1 -1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 1  4 -1 1  4 1 1  -2 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  -2 1 -1  -2 1 1  -2 -1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ 4 -1 -1  4 1 -1  4 1 1  4 -1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 .8  1 -1 .8 ]
-AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
-Translate 2.5 .5 -.7
-Shape "sphere" "float radius" .2
-)";
-}
-
-} // namespace
 
 TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   const auto scene = sceneFrom(slitRoom());
@@ -41,6 +20,42 @@ TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()));
   if (spp < 256) return; // the guide has hardly begun
   EXPECT_LT(b.standardError(), 0.85 * a.standardError());
+}
+
+TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
+  // Every pixel sees nearly the same point of the floor, whose radiance is known: a bias would be a plateau.
+  constexpr double HOLE = 0.3;
+  const double factor = holeFormFactor(HOLE), radiance = 0.5 * factor * HOLE_RADIANCE;
+  const auto scene = sceneFrom(floorBelowHole(HOLE, 16));
+  const PathClasses classes;
+  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  // Relative variance of a sample, from the squared error of pixels.
+  const auto variance = [&](int spp) {
+    const Rendered out = renderScene(*scene, *guided, classes, spp, 4);
+    double squares = 0;
+    for (size_t i = 0; i < out.pixels(); ++i) squares += square(out.luminanceAt(i) / radiance - 1);
+    return spp * squares / double(out.pixels());
+  };
+  const double cosine = 1 / factor - 1, early = variance(16), late = variance(samples(1024));
+  EXPECT_LT(early, 0.6 * cosine);
+  EXPECT_LT(late, 1.2 * early);
+  EXPECT_LT(variance(128), 1.2 * early);
+}
+
+TEST(GuidedPath, StatisticsAreOfTheLatestPass) {
+  const auto scene = sceneFrom(slitRoom());
+  const PathClasses classes;
+  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  const auto of = [&](int spp) { return renderScene(*scene, *guided, classes, spp, 1).statistics.guide; };
+  EXPECT_FALSE(of(1)) << "the first sample has no guide";
+  const auto early = of(2), late = of(16);
+  ASSERT_TRUE(early && late);
+  EXPECT_GT(early->cellsOn, 0u);
+  EXPECT_LE(late->cellsOn, late->cells);
+  EXPECT_GT(late->records, early->records);
+  EXPECT_GT(late->cells, early->cells);
+  const auto plain = integratorFrom("path", "");
+  EXPECT_FALSE(renderScene(*scene, *plain, classes, 2, 1).statistics.guide);
 }
 
 TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {

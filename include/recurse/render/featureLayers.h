@@ -1,6 +1,7 @@
 /** @file
  * Feature layers of the first surfaces that camera rays meet and that scatter, for compositing and for
- * denoisers: albedo, normals, depth, position, and mattes of objects and materials.
+ * denoisers: albedo, normals, depth, position, and mattes of objects and materials; and of path guiding, for
+ * studies.
  */
 #pragma once
 
@@ -9,6 +10,7 @@
 
 #include "recurse/core/image/image.h"
 #include "recurse/model/scene/scene.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 
@@ -16,13 +18,16 @@ namespace recurse {
  * the albedo includes the samples that hit none, as 0. */
 struct FeatureLayer {
   const char* name;
-  const char* channels; ///< letters: "RGB", "XYZ", "Z"; empty for mattes
-  const char* meaning;  ///< one line
+  const char* channels;  ///< letters: "RGB", "XYZ", "Z"; empty for mattes
+  const char* meaning;   ///< one line
+  bool isOfScene = true; ///< false: of the integrator
 };
 /** All feature layers. */
 const std::vector<FeatureLayer>& featureLayers();
 /** Throws Error (BAD_USAGE), with all valid names, for a name that is unknown or occurs twice. */
 void requireFeatureLayers(const std::vector<std::string>& names);
+/** Throws Error (BAD_USAGE) for a layer that the integrator cannot have. The names must be valid. */
+void requireFeatureLayers(const std::vector<std::string>& names, const Integrator& integrator);
 
 struct FeatureSettings {
   std::vector<std::string> layers; ///< names from featureLayers()
@@ -32,7 +37,8 @@ struct FeatureSettings {
 };
 
 /** Channels LAYER.LETTER of the film's crop window from samples uniform over each pixel, and the channels of
- * mattes (cryptomatte.h). Throws Error like requireFeatureLayers(). */
-Image renderFeatures(const Scene& scene, const FeatureSettings& settings);
+ * mattes (cryptomatte.h). Layers of the integrator have the state after its latest pass. Throws Error like
+ * requireFeatureLayers(). */
+Image renderFeatures(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings);
 
 } // namespace recurse

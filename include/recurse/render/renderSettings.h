@@ -25,7 +25,9 @@ struct RenderProgress {
   double secondsLeft = -1;    ///< negative: unknown
   double samplesPerPixel = 0; ///< mean of the film
   double raysPerSecond = 0;
-  double error = -1; ///< latest Film::relativeError(); negative: unknown
+  double error = -1;          ///< latest Film::relativeError(); negative: unknown
+  double learningSeconds = 0; ///< RenderStatistics::learningProcessorSeconds up to now
+  std::optional<GuideStatistics> guide = {};
 };
 
 /** Limit that ended a render. */
@@ -48,10 +50,14 @@ struct RenderStatistics {
   int forwardPasses = 0;                    ///< number of photon maps
   int threads = 0;
   StopReason stopReason = StopReason::SAMPLES;
-  double error = -1;   ///< Film::relativeError() at the end; negative: too few samples
+  double error = -1;                    ///< Film::relativeError() at the end; negative: too few samples
+  std::optional<GuideStatistics> guide; ///< of the latest pass; empty: no guide
   bool oneMap = false; ///< all samples share one forward pass, whose error is not included in `error`
   std::vector<std::string> notes, warnings; ///< automatic choices, and visible consequences, in words
 };
+
+/** Guide in words: "guide: 412 cells, 31 % of them sampled, learned from 180000 records". */
+std::string guideText(const GuideStatistics& guide);
 
 /**
  * Resume point. Rounds of samples are atomic per tile: of the round that begins with `sample`, each tile of

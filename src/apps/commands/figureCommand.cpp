@@ -22,8 +22,8 @@ void checkFigureOptions(const FigureOptions& o, const FigureKind& kind) {
     if (*option) badUsage(std::string(name) + ": a figure has a number of samples instead: use --spp");
   if (o.render.adaptive) badUsage("--adaptive: each pixel of a figure has the same number of samples");
   if (!o.render.statistics.empty()) badUsage("--stats: a figure has no statistics");
-  for (const auto& [name, value] : o.own())
-    if (*value && std::find(kind.options.begin(), kind.options.end(), name) == kind.options.end())
+  for (const auto& [name, isGiven] : o.own())
+    if (isGiven && std::find(kind.options.begin(), kind.options.end(), name) == kind.options.end())
       badUsage(name + ": 'figure " + o.kind + "' has no such option");
   if (o.render.integrator.named() && kind.method != FigureKind::Method::ANY)
     badUsage("--integrator: 'figure " + o.kind + "' has a method of its own; 'figure cost' takes any");
@@ -80,6 +80,12 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
                    "acne: offsets of shadow rays [scene units] (default: zero, and fractions of the scene's "
                    "radius)")
       ->type_name("D,D...");
+  command->add_option("--pixel", o.pixels, "guide: pixel whose surface point is drawn, may be repeated")
+      ->type_name("X,Y")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--stages", o.stages, "guide: stages of training, 1 to 20 (default: 8)")
+      ->type_name("N");
   o.render.addTo(*command);
   command->footer(
       "pyramid: s vertices are sampled from the light and t from the camera. The upper pyramid "
@@ -91,7 +97,12 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
       "is the\n"
       "truth for the bias. acne: the last picture has the rule of the program.\n"
       "patches: by radiosity; --set patchsize=R sets the longest edge of a patch (default: 0.15 of the\n"
-      "scene's radius).\n\n"
+      "scene's radius).\n"
+      "guide: by path with guided=true. Discs are the hemisphere above the surface with equal areas for "
+      "equal\n"
+      "solid angles, the camera at the bottom; --spp is the number of rays and of paths for each of their "
+      "7238\n"
+      "cells. Stage N of the training precedes sample 2^N of a render.\n\n"
       "Examples:\n"
       "  recurse figure pyramid scene.pbrt -o pyramid.png --resolution 160x160 --spp 16\n"
       "  recurse figure mis scene.pbrt -o mis.png --spp 4\n"
@@ -99,6 +110,7 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
       "  recurse figure estimate scene.pbrt -o estimate.png --photons 100k --spp 256\n"
       "  recurse figure acne scene.pbrt -o acne.png --offsets 0,1e-6,1e-3,.1\n"
       "  recurse figure patches scene.pbrt -o patches.png --set patchsize=.2\n"
+      "  recurse figure guide scene.pbrt -o guide.png --pixel 320,200 --spp 64\n"
       "  recurse figure cost scene.pbrt -o cost.png --integrator photonmap");
   command->callback([options, &chosen] { chosen = [options] { return drawFigure(*options); }; });
 }

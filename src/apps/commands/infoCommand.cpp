@@ -44,17 +44,9 @@ std::string channelLine(const Image& image, size_t channel) {
   return out;
 }
 
-/** Parses "X,Y", a pixel of the picture. */
-std::array<int, 2> parsePixel(const std::string& text, const Image& image) {
-  const size_t comma = text.find(',');
-  if (comma == std::string::npos) throw Error("--pixel: '" + text + "' is not X,Y", ExitStatus::BAD_USAGE);
-  return {static_cast<int>(parseCount("--pixel", text.substr(0, comma), 0, image.width - 1)),
-          static_cast<int>(parseCount("--pixel", text.substr(comma + 1), 0, image.height - 1))};
-}
-
 std::string pixelReport(const std::string& fileName, const std::string& pixel) {
   const Image image = readImage(fileName);
-  const std::array<int, 2> at = parsePixel(pixel, image);
+  const std::array<int, 2> at = parsePixel("--pixel", pixel, {0, 0, image.width, image.height});
   std::string out;
   for (size_t channel = 0; channel < image.channels.size(); ++channel)
     out += column(image.channels[channel], 26) + formatted("%.9g", double(image.at(at[0], at[1])[channel])) +

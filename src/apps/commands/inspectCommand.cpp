@@ -29,22 +29,13 @@ struct InspectOptions {
 /** Default grid of recorded pixels. */
 constexpr int GRID_COLUMNS = 6, GRID_ROWS = 4;
 
-int wholeNumber(const std::string& text) {
-  return static_cast<int>(parseCount("--pixel", text, 0, (1 << 30) - 1));
-}
-
 std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& crop) {
   std::vector<RecordedPixel> pixels;
   for (const std::string& text : o.pixels) {
-    const std::vector<std::string> parts = split(text, ',');
-    if (parts.size() != 2) badUsage("--pixel: " + text + " is not X,Y");
     RecordedPixel pixel;
-    pixel.x = wholeNumber(parts[0]);
-    pixel.y = wholeNumber(parts[1]);
-    if (pixel.x < crop.x0 || pixel.x >= crop.x1 || pixel.y < crop.y0 || pixel.y >= crop.y1)
-      badUsage("--pixel: " + text + " is outside of the picture of " + std::to_string(crop.x0) + "," +
-               std::to_string(crop.y0) + " to " + std::to_string(crop.x1 - 1) + "," +
-               std::to_string(crop.y1 - 1));
+    const auto [x, y] = parsePixel("--pixel", text, crop);
+    pixel.x = x;
+    pixel.y = y;
     pixels.push_back(std::move(pixel));
   }
   if (!pixels.empty()) return pixels;

@@ -172,7 +172,7 @@ bool writeResults(RenderResult& result, const RenderCommandOptions& o,
   std::optional<double> filmStops;
   const RenderReport report = reportOf(result, o);
   Image image = pictureOf(result.film, report);
-  const bool isComplete = addFeatures(image, *report.loaded.scene, features, result.stopFlag());
+  const bool isComplete = addFeatures(image, report.loaded, features, result.stopFlag());
   Attempts files;
   std::vector<std::string> written;
   const auto writePicture = [&](const std::string& name) {
@@ -247,6 +247,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
     o.keepInputs(outputs, loaded.files);
   }
   const FeatureSettings features = o.features(outputs, leads && loaded.scene->film().layered);
+  requireFeatureLayers(features.layers, *loaded.integrator);
 
   FilmViewers viewers(o.viewers, o.develop, titleOf(o), requestStop);
   if (o.viewers.any())

@@ -8,6 +8,7 @@
 
 #include "apps/options/optionText.h"
 #include "recurse/core/threads/resources.h"
+#include "recurse/report/directions/guideFigure.h"
 
 namespace recurse::apps {
 
@@ -144,6 +145,37 @@ FigureDrawing drawPatches(const FigureRun& run) {
                      patchesPanels(*run.loaded.scene, *run.made(directive), run.settings, run.stop));
 }
 
+int stagesOf(const FigureOptions& o) {
+  constexpr int DEFAULT_STAGES = 8;
+  return o.stages ? static_cast<int>(parseCount("--stages", *o.stages, 1, 20)) : DEFAULT_STAGES;
+}
+
+void checkGuide(const FigureOptions& o) {
+  stagesOf(o);
+  if (o.pixels.empty()) badUsage("--pixel X,Y: 'figure guide' draws the directions at single pixels");
+  if (o.render.integrator.text().find(" --set guided=") != std::string::npos)
+    badUsage("--set guided: 'figure guide' always guides");
+}
+
+FigureDrawing drawGuide(const FigureRun& run) {
+  const Scene& scene = *run.loaded.scene;
+  std::vector<std::array<int, 2>> pixels;
+  for (const std::string& text : run.options.pixels)
+    pixels.push_back(parsePixel("--pixel", text, scene.film().crop));
+  ParsedDirective path = run.directive("path");
+  ParsedParameter guided;
+  guided.type = "bool";
+  guided.name = "guided";
+  guided.booleans = {true};
+  setParameter(path, guided);
+  const GuideFigure figure = guideFigure(scene, *run.made(path), pixels, stagesOf(run.options),
+                                         run.settings.samplesPerPixel, run.settings.seed, run.stop);
+  return figureSheet("directions of light",
+                     run.scene + formatted(", rays of a cell: %d; ", run.settings.samplesPerPixel) +
+                         guideText(figure.guide),
+                     guidePanels(figure));
+}
+
 FigureDrawing drawCost(const FigureRun& run) {
   run.requireMemoryFor(3, 3);
   const int64_t samples = samplesTaken(*run.loaded.integrator, run.settings);
@@ -212,6 +244,12 @@ const std::vector<FigureKind>& figureKinds() {
        {},
        nullptr,
        drawPatches},
+      {"guide",
+       "directions of light at a pixel, and the densities that path guiding samples",
+       Method::OWN,
+       {"--pixel", "--stages"},
+       checkGuide,
+       drawGuide},
       {"cost", "rays, photons and time of a sample", Method::ANY, {}, nullptr, drawCost},
   };
   return KINDS;

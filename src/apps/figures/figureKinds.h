@@ -18,11 +18,16 @@ namespace recurse::apps {
 struct FigureOptions {
   RenderOptions render;
   std::string kind, output;
-  std::optional<std::string> edges, maps, offsets;
+  std::optional<std::string> edges, maps, offsets, stages;
+  std::vector<std::string> pixels;
 
-  /** Options that only some kinds have, with their names. */
-  std::vector<std::pair<std::string, const std::optional<std::string>*>> own() const {
-    return {{"--edges", &edges}, {"--maps", &maps}, {"--offsets", &offsets}};
+  /** Options that only some kinds have: their names, and whether they are given. */
+  std::vector<std::pair<std::string, bool>> own() const {
+    return {{"--edges", edges.has_value()},
+            {"--maps", maps.has_value()},
+            {"--offsets", offsets.has_value()},
+            {"--stages", stages.has_value()},
+            {"--pixel", !pixels.empty()}};
   }
 };
 

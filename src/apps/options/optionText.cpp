@@ -119,6 +119,20 @@ int64_t parseCount(const std::string& option, const std::string& text, int64_t m
   return count;
 }
 
+std::array<int, 2> parsePixel(const std::string& option, const std::string& text, const PixelBounds& crop) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2) badUsage(option + ": " + text + " is not X,Y");
+  const auto coordinate = [&](const std::string& part) {
+    return static_cast<int>(parseCount(option, part, 0, (1 << 30) - 1));
+  };
+  const int x = coordinate(parts[0]), y = coordinate(parts[1]);
+  if (x < crop.x0 || x >= crop.x1 || y < crop.y0 || y >= crop.y1)
+    badUsage(option + ": " + text + " is outside of the picture of " + std::to_string(crop.x0) + "," +
+             std::to_string(crop.y0) + " to " + std::to_string(crop.x1 - 1) + "," +
+             std::to_string(crop.y1 - 1));
+  return {x, y};
+}
+
 uint64_t parseSeed(const std::string& option, const std::string& text) {
   uint64_t seed = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);

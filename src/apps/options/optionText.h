@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recurse/core/io/text.h"
+#include "recurse/model/camera/camera.h"
 #include "recurse/pathclasses/pathEvent.h"
 
 namespace recurse::apps {
@@ -28,6 +29,8 @@ std::array<int, 2> parseResolution(const std::string& option, const std::string&
 std::array<float, 4> parseCropWindow(const std::string& option, const std::string& text);
 /** A whole number in [minimum, maximum]; "1000000", "1e6", "1M" and "1000k" are the same. */
 int64_t parseCount(const std::string& option, const std::string& text, int64_t minimum, int64_t maximum);
+/** Pixel "X,Y" within a crop window. */
+std::array<int, 2> parsePixel(const std::string& option, const std::string& text, const PixelBounds& crop);
 uint64_t parseSeed(const std::string& option, const std::string& text);
 /** Path class, "NAME=EXPRESSION". */
 PathClass parseClass(const std::string& option, const std::string& text);

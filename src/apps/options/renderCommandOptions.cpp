@@ -68,7 +68,9 @@ void addLayerOptions(CLI::App& command, RenderCommandOptions& o) {
       .add_option("--layers", o.layers,
                   "Add features of the visible surfaces to .exr: albedo, normal (shading normal, towards the "
                   "camera), geonormal (geometric normal), depth (distance), position (in world space), "
-                  "cryptoobject and cryptomaterial (Cryptomatte)")
+                  "cryptoobject and cryptomaterial (Cryptomatte), guide (of path guiding: the fraction of "
+                  "samples that "
+                  "are guided at the first non-delta surface)")
       ->type_name("NAME,NAME...");
   command.add_flag("--layers-through", o.throughSpecular,
                    "For --layers: show the features of surfaces in mirrors and behind smooth glass");
@@ -224,7 +226,7 @@ FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& o
     if (!hasExr) badUsage("--layers: needs an .exr output; add -o FILE.exr");
   } else if (layered && hasExr) { // layers that pbrt has, too
     for (const FeatureLayer& layer : featureLayers())
-      if (*layer.channels) out.layers.emplace_back(layer.name);
+      if (*layer.channels && layer.isOfScene) out.layers.emplace_back(layer.name);
   } else if (throughSpecular) {
     badUsage("--layers-through: needs --layers");
   }

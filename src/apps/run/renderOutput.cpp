@@ -91,13 +91,13 @@ Image pictureOf(const Film& film, const RenderReport& report) {
   return image;
 }
 
-bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& features,
+bool addFeatures(Image& image, const LoadedScene& loaded, const FeatureSettings& features,
                  const std::atomic<bool>& stop) {
   if (features.layers.empty()) return true;
   try {
     const InterruptibleWork looking(&stop);
     checkInterrupted();
-    image = withChannels(image, renderFeatures(scene, features));
+    image = withChannels(image, renderFeatures(*loaded.scene, *loaded.integrator, features));
     return true;
   } catch (const Interrupted&) {
     say("warning: interrupted before the --layers were computed: the picture does not have them\n");
@@ -119,6 +119,15 @@ nlohmann::ordered_json processorSplitJson(const RenderStatistics& s) {
   return {{"learning", learning},
           {"photons", photons},
           {"camera_paths", std::max(0.0, s.processorSeconds - learning - photons)}};
+}
+
+/** Guide of the latest pass; null without one. */
+nlohmann::ordered_json guideJson(const std::optional<GuideStatistics>& guide) {
+  if (!guide) return nullptr;
+  return {{"cells", guide->cells},
+          {"cells_on", guide->cellsOn},
+          {"fraction_on", guide->fractionOn()},
+          {"records", guide->records}};
 }
 
 /** Histograms of the ratio of kernel radius and footprint; "from": lower bound of each bin. */
@@ -148,6 +157,7 @@ std::string statisticsJson(const RenderReport& report) {
       {"render_seconds", s.renderSeconds},
       {"processor_seconds", s.processorSeconds},
       {"processor_seconds_by_part", processorSplitJson(s)},
+      {"guide", guideJson(s.guide)},
       {"cores_busy", perSecond(s.processorSeconds, s.renderSeconds)},
       {"photon_seconds", s.photonSeconds},
       {"balance_seconds", s.balanceSeconds},
@@ -209,6 +219,9 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
   out += "picture: " + countText(double(s.counts.rays)) + " rays in all, " +
          countText(perSecond(double(s.counts.rays), s.renderSeconds)) + " rays/s, peak memory " +
          bytesText(double(peakMemoryBytes())) + "\n";
+  if (notes && s.guide)
+    out += guideText(*s.guide) + "; learning took " + durationText(s.learningProcessorSeconds) +
+           " of processor time\n";
   if (notes)
     for (const std::string& note : s.notes) out += note + "\n";
   if (s.counts.truncatedThroughput > 0)

@@ -48,7 +48,7 @@ Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float i
 Image pictureOf(const Film& film, const RenderReport& report);
 /** Adds the channels of the requested feature layers. False, with a warning instead of the channels, if
  * `stop` is true or becomes so. */
-bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& features,
+bool addFeatures(Image& image, const LoadedScene& loaded, const FeatureSettings& features,
                  const std::atomic<bool>& stop);
 /** The text of --stats. */
 std::string statisticsJson(const RenderReport& report);

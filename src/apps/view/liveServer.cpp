@@ -138,6 +138,10 @@ std::string LiveServer::Parts::stateJson() {
   const std::lock_guard<std::mutex> guard(mutex);
   lastVisit = Clock::now();
   const PixelQuestion question = queries ? queries->question() : PixelQuestion();
+  const Json guide = progress.guide ? Json{{"cells", progress.guide->cells},
+                                           {"fraction_on", progress.guide->fractionOn()},
+                                           {"records", progress.guide->records}}
+                                    : Json();
   const Json state = {{"version", version},
                       {"width", picture ? picture->width : 0},
                       {"height", picture ? picture->height : 0},
@@ -148,6 +152,8 @@ std::string LiveServer::Parts::stateJson() {
                       {"samples_per_pixel", progress.samplesPerPixel},
                       {"rays_per_second", progress.raysPerSecond},
                       {"error", numberOrNull(progress.error)},
+                      {"learning_seconds", progress.learningSeconds},
+                      {"guide", guide},
                       {"stopped", stopped},
                       {"finished", finished},
                       {"answers_pixels", queries != nullptr},

@@ -88,6 +88,7 @@ class PathTracing final : public Integrator {
     if (guided) {
       const ProcessorTimer timer(statistics.learningSeconds);
       training.prepare(scene, lightSampler, pass, control, statistics.counts);
+      statistics.guide = training.statistics();
     }
     return statistics;
   }
@@ -113,6 +114,12 @@ class PathTracing final : public Integrator {
       batch.run();
       paths = paths.subspan(count);
     }
+  }
+
+  bool learnsDirections() const override { return guided; }
+  LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const override {
+    const GuideCell* cell = training.learned().cellAt(point.position, point.normalTowards(wi));
+    return cell ? cell->learned() : LearnedDirections();
   }
 
   std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }

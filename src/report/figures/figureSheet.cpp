@@ -29,13 +29,14 @@ Image exposed(const FigurePanel& panel) {
 }
 
 std::string scaleText(const ColourScale& scale) {
-  return formatted("%.3g to %.3g ", scale.low, scale.high) + scale.unit;
+  return formatted("%.3g to %.3g ", scale.low, scale.high) + scale.unit +
+         (scale.isLogarithmic ? ", logarithmic" : "");
 }
 
 Image scaleBar(const ColourScale& scale, int width) {
   Image bar(width, SCALE_HEIGHT, {"R", "G", "B"});
   for (int x = 0; x < width; ++x) {
-    const Rgb colour = scale.colour(scale.low + (scale.high - scale.low) * (double(x) + 0.5) / double(width));
+    const Rgb colour = scale.colour(scale.valueAt((double(x) + 0.5) / double(width)));
     for (int y = 0; y < SCALE_HEIGHT; ++y)
       for (int c = 0; c < 3; ++c) bar.at(x, y)[c] = colour[c];
   }
@@ -75,8 +76,16 @@ void drawPanel(FigureDrawing& drawing, const FigurePanel& panel, int x, int y) {
 
 } // namespace
 
+double ColourScale::valueAt(double position) const {
+  return isLogarithmic ? low * std::pow(high / low, position) : low + (high - low) * position;
+}
+
 Rgb ColourScale::colour(double value) const {
-  const double t = high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.0;
+  double t = 0;
+  if (isLogarithmic && high > low)
+    t = value > low ? std::min(std::log(value / low) / std::log(high / low), 1.0) : 0.0;
+  else if (high > low)
+    t = std::clamp((value - low) / (high - low), 0.0, 1.0);
   return diverging ? divergingColour(static_cast<float>(2 * t - 1)) : falseColour(static_cast<float>(t));
 }
 

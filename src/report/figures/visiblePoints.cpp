@@ -38,6 +38,8 @@ Ray rayFrom(const SurfacePoint& point, const Vec3f& direction) {
   return {point.rayOrigin(direction), direction, INFINITE, point.time};
 }
 
+} // namespace
+
 PixelView viewAlong(const Scene& scene, const CameraRay& first, BsdfArena& arena) {
   PixelView view;
   std::vector<ViewRay> rays = {{first, Rgb(first.weight)}};
@@ -51,7 +53,8 @@ PixelView viewAlong(const Scene& scene, const CameraRay& first, BsdfArena& arena
     if (!hit) continue;
     const Bsdf* bsdf = detailedBsdf(*hit, {direction, first.width + first.spread * hit->t}, arena);
     const ScatteringPoint scattering(*bsdf, hit->point);
-    if (scattering.hasNonDelta()) view.points.push_back({*hit, bsdf, -direction, current.weight});
+    if (scattering.hasNonDelta())
+      view.points.push_back({*hit, bsdf, -direction, current.weight, current.ray});
     if (!scattering.hasDelta() || current.depth == MAX_DELTA_DEPTH) continue;
     std::array<Scatter, DeltaScatters::MAX_COUNT> steps;
     const int count = scattering.deltaScatters(-direction, Transport::RADIANCE, steps);
@@ -63,8 +66,6 @@ PixelView viewAlong(const Scene& scene, const CameraRay& first, BsdfArena& arena
   }
   return view;
 }
-
-} // namespace
 
 std::optional<Hit> followRay(const Scene& scene, Ray ray, const std::function<void(const Hit*)>& use) {
   Hit hit;

@@ -21,6 +21,7 @@ struct ViewedPoint {
   const Bsdf* bsdf = nullptr; ///< valid within the call of visitViews()
   Vec3f wi{0};                ///< unit, back along the camera path
   Rgb weight{0};              ///< throughput from the camera
+  Ray ray;                    ///< ray that hits it, from the camera or a mirror or glass
 };
 
 /** View of the middle of a pixel through the middle of the lens. */
@@ -41,8 +42,11 @@ std::optional<CameraRay> middleRay(const Scene& scene, int x, int y);
 void visitMiddleRays(const Scene& scene, const std::atomic<bool>& stop,
                      const std::function<void(size_t pixel, const CameraRay&)>& use);
 
-/** Calls use(pixel, view) for the same pixels with what their middle rays see. Follows mirrors and glass by
- * all their directions, up to MAX_DELTA_DEPTH events and down to MIN_DELTA_WEIGHT. */
+/** Follows mirrors and glass by all their directions, up to MAX_DELTA_DEPTH events and down to
+ * MIN_DELTA_WEIGHT. BSDFs of the view are in `arena`. */
+PixelView viewAlong(const Scene& scene, const CameraRay& first, BsdfArena& arena);
+
+/** Calls use(pixel, view) for the same pixels with the views along their middle rays. */
 void visitViews(const Scene& scene, const std::atomic<bool>& stop,
                 const std::function<void(size_t pixel, const PixelView&)>& use);
 constexpr int MAX_DELTA_DEPTH = 16;

@@ -151,6 +151,8 @@ function showState() {
   $("left").textContent = s.finished ? "0 s" : duration(s.seconds_left);
   $("samples").textContent = s.samples_per_pixel.toPrecision(3);
   $("rays").textContent = `${(s.rays_per_second / 1e6).toFixed(2)} M/s`;
+  $("learning").textContent = duration(s.learning_seconds);
+  $("guide").textContent = none(s.guide, (g) => `${g.cells} cells, ${(100 * g.fraction_on).toFixed(0)} % sampled`);
   $("error").textContent = none(s.error, (e) => e.toPrecision(3));
   $("label").textContent = s.width ? `${s.width}x${s.height} pixels` : "waiting for the first samples";
   $("stop").disabled = s.stopped || s.finished;

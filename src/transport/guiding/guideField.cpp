@@ -175,28 +175,40 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
     std::vector<GuideRecord> local;
     for (const uint32_t k : leaves[i]) local.push_back(records[k]);
     const CellFit fit(local);
-    if (fit.effectiveCount() < MIN_EFFECTIVE) return;
-    gains[i] = fit.gain();
-    counts[i] = fit.effectiveCount();
-    cells[i] = GuideCell(fit.tree(-1), fit.frame);
+    if (fit.effectiveCount() >= MIN_EFFECTIVE) {
+      gains[i] = fit.gain();
+      counts[i] = fit.effectiveCount();
+      cells[i] = GuideCell(fit.tree(-1), fit.frame);
+    }
+    cells[i].records = local.size();
   });
   // Shrinks the gains of cells with few records towards the mean of all cells (empirical Bayes).
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
   const double mean =
       std::inner_product(gains.begin(), gains.end(), counts.begin(), 0.0) / std::max(all, 1.0);
-  for (size_t i = 0; i < cells.size(); ++i)
-    if (gains[i] * counts[i] + mean * PRIOR_COUNT < MIN_GAIN * (counts[i] + PRIOR_COUNT)) cells[i] = {};
+  for (size_t i = 0; i < cells.size(); ++i) {
+    cells[i].gain = (gains[i] * counts[i] + mean * PRIOR_COUNT) / (counts[i] + PRIOR_COUNT);
+    cells[i].on = cells[i].hasDensity && cells[i].gain >= MIN_GAIN;
+  }
   on = static_cast<size_t>(
       std::count_if(cells.begin(), cells.end(), [](const GuideCell& c) { return c.isOn(); }));
 }
 
-const GuideCell* GuideField::find(const Vec3f& position, const Vec3f& normal) const {
+const GuideCell* GuideField::cellAt(const Vec3f& position, const Vec3f& normal) const {
   if (nodes.empty()) return nullptr;
   auto node = static_cast<uint32_t>(bucketOf(normal));
   while (nodes[node].axis >= 0)
     node = nodes[node].next + (position[nodes[node].axis] < nodes[node].split ? 0 : 1);
-  const GuideCell& cell = cells[nodes[node].next];
-  return cell.isOn() ? &cell : nullptr;
+  return &cells[nodes[node].next];
+}
+
+GuideStatistics GuideField::statistics() const {
+  GuideStatistics out{.cellsOn = on};
+  for (const GuideCell& c : cells) {
+    out.cells += c.records > 0;
+    out.records += c.records;
+  }
+  return out;
 }
 
 size_t GuideField::nodeCount() const {

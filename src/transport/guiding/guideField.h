@@ -32,14 +32,17 @@ struct GuideRecord {
  * times a quadtree density over the unit square that the lobe is sampled from. */
 class GuideCell final : public DirectionGuide {
  public:
-  /** A cell that is off: BSDF sampling alone. */
+  /** A cell without a density: too few records. */
   GuideCell() = default;
-  GuideCell(SquareTree tree, const Frame& frame) : tree(std::move(tree)), frame(frame), on(true) {}
+  GuideCell(SquareTree tree, const Frame& frame)
+      : tree(std::move(tree)), frame(frame), hasDensity(true), on(true) {}
 
   /** Probability of BSDF sampling: with it a wrong tree at most doubles a path's weight at each vertex. */
   static constexpr float BSDF_PROBABILITY = 0.5f;
   float bsdfProbability() const override { return BSDF_PROBABILITY; }
+  /** False: BSDF sampling alone, even where the cell has a density. */
   bool isOn() const { return on; }
+  LearnedDirections learned() const { return {hasDensity ? this : nullptr, on, records, gain}; }
   float pdf(const Vec3f& direction) const override;
   Vec3f sample(Vec2f u, float& density) const override;
 
@@ -47,7 +50,9 @@ class GuideCell final : public DirectionGuide {
   friend class GuideField;
   SquareTree tree;
   Frame frame{Vec3f(0, 0, 1)};
-  bool on = false;
+  uint64_t records = 0;
+  double gain = 0; ///< see LearnedDirections
+  bool hasDensity = false, on = false;
 };
 
 /** Directional densities of all cells, found by position and normal. */
@@ -59,11 +64,17 @@ class GuideField {
 
   /** Cell for a point with unit `normal` on the side that it is seen from. Null where only BSDF sampling is
    * used. */
-  const GuideCell* find(const Vec3f& position, const Vec3f& normal) const;
+  const GuideCell* find(const Vec3f& position, const Vec3f& normal) const {
+    const GuideCell* cell = cellAt(position, normal);
+    return cell && cell->isOn() ? cell : nullptr;
+  }
+  /** Cell for such a point, on or off. Null before the first build(). */
+  const GuideCell* cellAt(const Vec3f& position, const Vec3f& normal) const;
 
   size_t cellCount() const { return cells.size(); }
   /** Number of cells that guide. */
   size_t cellsOn() const { return on; }
+  GuideStatistics statistics() const;
   size_t nodeCount() const;
 
   static constexpr size_t MAX_RECORDS = 500;  ///< records in a cell before it is divided

@@ -33,6 +33,12 @@ class GuideTraining {
 
   /** Current guide; null: BSDF sampling everywhere. */
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
+  /** Everything that has been learned; its cells may be off. */
+  const GuideField& learned() const { return field; }
+  /** Empty before the first stage. */
+  std::optional<GuideStatistics> statistics() const {
+    return stage < 0 ? std::optional<GuideStatistics>() : field.statistics();
+  }
 
  private:
   std::vector<GuideRecord> photonsOfStage(const Scene& scene, const LightSampler& lights, const Pass& pass,

@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <cstdint>
+
 #include "recurse/core/math/vector.h"
 
 namespace recurse {
@@ -18,6 +20,25 @@ class DirectionGuide {
   virtual Vec3f sample(Vec2f u, float& density) const = 0;
   /** Probability of sampling the BSDF, in [0, 1). */
   virtual float bsdfProbability() const = 0;
+};
+
+/** Directions of incident light that a render has learned for a point and its neighbourhood. */
+struct LearnedDirections {
+  const DirectionGuide* guide = nullptr; ///< learned density; null: too few records
+  bool isSampled = false;                ///< camera paths sample it
+  uint64_t records = 0;                  ///< number from which the density was learned
+  /** Mean of log (density of the mixture / density of BSDF sampling) over the records, cross-validated. */
+  double gain = 0;
+};
+
+/** State of path guiding. */
+struct GuideStatistics {
+  uint64_t cells = 0;   ///< regions with records
+  uint64_t cellsOn = 0; ///< number of these with a density that camera paths sample
+  uint64_t records = 0; ///< photons and vertices of training paths from which all cells were learned
+
+  double fractionOn() const { return cells > 0 ? double(cellsOn) / double(cells) : 0; }
+  bool operator==(const GuideStatistics&) const = default;
 };
 
 } // namespace recurse

@@ -20,8 +20,11 @@ namespace recurse {
 struct ColourScale {
   double low = 0, high = 1;
   std::string unit;
-  bool diverging = false; ///< blue to red around the middle; else from dark violet to yellow
+  bool diverging = false;     ///< blue to red around the middle; else from dark violet to yellow
+  bool isLogarithmic = false; ///< low and high are above 0
 
+  /** Value at a position in [0, 1] from low to high. */
+  double valueAt(double position) const;
   /** Colour of a value; values outside of the scale have the colour of its end. */
   Rgb colour(double value) const;
 };

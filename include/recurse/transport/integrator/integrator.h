@@ -17,6 +17,7 @@
 
 #include "recurse/core/math/ray.h"
 #include "recurse/core/sampling/sampler.h"
+#include "recurse/model/bsdf/directionGuide.h"
 #include "recurse/model/film/splatPlane.h"
 #include "recurse/model/scene/scene.h"
 #include "recurse/pathclasses/pathClasses.h"
@@ -186,6 +187,7 @@ struct ForwardStatistics {
   double shootSeconds = 0, balanceSeconds = 0;                        ///< [s]
   double learningSeconds = 0; ///< processor time of learning, whose results serve later passes, too [s]
   size_t mapBytes = 0;        ///< memory of the photon maps
+  std::optional<GuideStatistics> guide; ///< guide of this pass's camera paths; empty: none
   TransportCounts counts;
   std::vector<std::string> notes;    ///< automatic choices, in words
   std::vector<std::string> warnings; ///< visible consequences for the picture, in words
@@ -303,6 +305,10 @@ class Integrator {
   virtual std::optional<uint32_t> patchAt(const Hit&) const { return {}; }
   /** Samples a point of a patch, uniform in the surface's coordinates. The patch must exist. */
   virtual SurfacePoint samplePatch(uint32_t /*patch*/, Sampler&) const { return {}; }
+  /** Whether forward() learns directions of incident light for camera paths. */
+  virtual bool learnsDirections() const { return false; }
+  /** Directions learned by the latest forward() for a surface point that is seen from unit `wi`. */
+  virtual LearnedDirections directionsAt(const SurfacePoint&, const Vec3f& /*wi*/) const { return {}; }
   /** Whether the integrator renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
   /** Whether it measures the lengths of all paths in the scene, for transient renders. */
