@@ -6,6 +6,7 @@
 #include <random>
 
 #include "model/textureTesting.h"
+#include "picturesWithAlpha.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/threads/parallel.h"
@@ -106,6 +107,15 @@ TEST(ImageMap, EncodingsOfEightBits) {
         << wrong;
     expectPart(diagnostics.format(), "cannot be \"" + std::string(wrong) + "\"");
   }
+}
+
+TEST(ImageMap, ColoursAreNotMultipliedByAlpha) {
+  const Folder folder;
+  const std::string file = folder.file("alpha.png");
+  std::ofstream(file, std::ios::binary) << PNG_WITH_ALPHA;
+  const Rgb colour = at(*makeTexture("imagemap", map(file, "\"string filter\" \"point\"")), .25, .5);
+  const Rgb stored(linearFromSrgb(200 / 255.f), linearFromSrgb(100 / 255.f), linearFromSrgb(50 / 255.f));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], stored[c], stored[c] / 1000);
 }
 
 TEST(ImageMap, FilteringIsDoneInLinearLight) {

@@ -19,8 +19,8 @@ struct ImageEncoding {
   float gamma = 1; ///< for GAMMA: light = value^gamma
 };
 
-/** Channels of a file that a texture uses: its colours, or one channel alone. Colours of formats with
- * unassociated alpha, such as PNG, are multiplied by it. */
+/** Channels of a file that a texture uses: its colours, or one channel alone. Colours are not multiplied by
+ * alpha. */
 enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {
