@@ -118,6 +118,20 @@ TEST(ImageMap, ColoursAreNotMultipliedByAlpha) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], stored[c], stored[c] / 1000);
 }
 
+TEST(ImageMap, AlphaIsLinear) {
+  const Folder folder;
+  const std::string file = folder.file("alpha.png");
+  std::ofstream(file, std::ios::binary) << PNG_WITH_ALPHA;
+  for (const char* encoding : {"", "\"string encoding\" \"sRGB\"", "\"string encoding\" \"gamma 2.2\""}) {
+    const auto t = makeTexture(
+        "imagemap",
+        map(file, std::string("\"string channel\" \"alpha\" \"string filter\" \"point\" ") + encoding),
+        false);
+    EXPECT_NEAR(at(*t, .25, .5).r, 64 / 255., 1e-6) << encoding;
+    EXPECT_NEAR(at(*t, .75, .5).r, 128 / 255., 1e-6) << encoding;
+  }
+}
+
 TEST(ImageMap, FilteringIsDoneInLinearLight) {
   const Folder folder;
   const std::string file =

@@ -13,7 +13,7 @@
 
 namespace recurse {
 
-/** Encoding of the values of integer formats, alpha included; floating-point formats are linear. */
+/** Encoding of the colours of integer formats; alpha and floating-point formats are linear. */
 struct ImageEncoding {
   enum class Kind { SRGB, LINEAR, GAMMA } kind = Kind::SRGB;
   float gamma = 1; ///< for GAMMA: light = value^gamma
