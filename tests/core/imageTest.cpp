@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class ImageFiles : public testing::Test {
+class ImageFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     folder = fs::temp_directory_path() / ("recurse-image-test-" + std::to_string(::getpid()));

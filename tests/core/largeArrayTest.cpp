@@ -29,7 +29,7 @@ TEST(LargeArray, KeepsItsContentWhereAsked) {
 }
 
 TEST(LargeArray, HasTheRoomThatItSaysAfterAFailure) {
-  if (SANITIZED) GTEST_SKIP() << "sanitizers end a program that runs out of memory";
+  if (recurse::testing::SANITIZED) GTEST_SKIP() << "sanitizers end a program that runs out of memory";
   LargeArray<uint64_t> a;
   a.reserve(100);
   a[99] = 7;

@@ -38,21 +38,26 @@ bool isControl(const std::string& text, size_t i, size_t bytes) {
 
 } // namespace
 
+TextCharacter characterAt(const std::string& text, size_t i) {
+  const size_t bytes = characterBytes(text, i);
+  return {std::max<size_t>(bytes, 1), bytes > 0 && !isControl(text, i, bytes)};
+}
+
 std::string terminalText(const std::string& text) {
   static constexpr char DIGITS[] = "0123456789abcdef";
   std::string out;
   out.reserve(text.size());
   for (size_t i = 0; i < text.size();) {
-    const size_t bytes = characterBytes(text, i), taken = std::max<size_t>(bytes, 1);
-    const bool isPlain = text[i] == '\n' || text[i] == '\t' || (bytes > 0 && !isControl(text, i, bytes));
-    for (size_t k = i; k < i + taken; ++k) {
+    const TextCharacter c = characterAt(text, i);
+    const bool isShown = c.isPlain || text[i] == '\n' || text[i] == '\t';
+    for (size_t k = i; k < i + c.bytes; ++k) {
       const uint8_t byte = byteAt(text, k);
-      if (isPlain)
+      if (isShown)
         out += text[k];
       else
         out += {'\\', 'x', DIGITS[byte >> 4], DIGITS[byte & 15]};
     }
-    i += taken;
+    i += c.bytes;
   }
   return out;
 }
