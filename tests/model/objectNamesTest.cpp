@@ -23,6 +23,16 @@ std::vector<std::string> uniqueNames(const std::vector<std::string>& given) {
 
 using Names = std::vector<std::string>;
 
+Names namesIn(const std::string& world) {
+  Diagnostics diagnostics;
+  const auto d = parseScene("Camera \"perspective\"\nWorldBegin\n" + world, "test.pbrt", ".", diagnostics);
+  const std::unique_ptr<Scene> scene = buildScene(d, {}, diagnostics);
+  EXPECT_TRUE(scene) << diagnostics.format();
+  Names names;
+  for (uint32_t i = 0; scene && i < scene->objects().size(); ++i) names.push_back(scene->objectName(i));
+  return names;
+}
+
 } // namespace
 
 TEST(ObjectNames, AreNumberedFromTheSecond) {
@@ -36,4 +46,13 @@ TEST(ObjectNames, CopiesLeaveOutNumbersOfOtherNames) {
             (Names{"tree.4", "tree.2", "tree", "tree.3", "tree.5", "tree.2.2", "tree.6"}));
   EXPECT_EQ(uniqueNames({"a", "a", "a.02", "a.1", "a.x", "a.", "a.99999999999", "a.2x"}),
             (Names{"a", "a.2", "a.02", "a.1", "a.x", "a.", "a.99999999999", "a.2x"}));
+}
+
+TEST(ObjectNames, InstancesAreNamedAfterTheirObject) {
+  const std::string objects = "ObjectBegin \"inner\" Shape \"sphere\" ObjectEnd "
+                              "ObjectBegin \"outer\" Shape \"disk\" ObjectInstance \"inner\" ObjectEnd\n";
+  EXPECT_EQ(namesIn(objects + "ObjectInstance \"outer\""), (Names{"inner", "outer"}));
+  const std::string moving = "AttributeBegin ActiveTransform EndTime Translate 1 0 0 ActiveTransform All "
+                             "ObjectInstance \"outer\" AttributeEnd\n";
+  EXPECT_EQ(namesIn(objects + moving + moving), (Names{"outer", "outer.2"}));
 }

@@ -73,7 +73,10 @@ uint32_t ObjectNamer::objectOf(const ShapeDescription* shape, const InstanceDesc
   if (!instance) return names.add(nameOf(*shape));
   const auto known = atTop.find(instance);
   if (known != atTop.end()) return known->second;
-  if (instance != last) lastObject = names.add(instance->object);
+  if (instance != last) {
+    const auto object = scene.objects.find(instance->object);
+    lastObject = names.add(object == scene.objects.end() ? instance->object : object->second.name);
+  }
   last = instance;
   return lastObject;
 }

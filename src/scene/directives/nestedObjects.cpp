@@ -12,6 +12,7 @@ constexpr size_t MAX_INSTANCES = size_t(1) << 24;
 /** Maximum depth of nested objects, which bounds the recursion. */
 constexpr int MAX_LEVELS = 256;
 
+/** Key of an object with copies of all shapes inside it. */
 std::string wholeName(const std::string& name) { return name + " and its contents"; }
 
 /** Calls visit(names) for the operand names of each solid. */
@@ -63,7 +64,6 @@ void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, 
   const auto object = scene.objects.find(name);
   if (object == scene.objects.end()) return; // reported at its use
   ObjectDescription whole = object->second;
-  whole.name = wholeName(name);
   forAllInside(name, Mat4d(1), [&](const InstanceDescription& i, const Mat4d& wholeFromInner) {
     const auto inner = scene.objects.find(i.object);
     if (inner == scene.objects.end()) {
@@ -76,7 +76,7 @@ void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, 
       whole.shapes.push_back(std::move(s));
     }
   });
-  scene.objects.emplace(whole.name, whole);
+  scene.objects.emplace(wholeName(name), std::move(whole));
 }
 
 void NestedObjects::expand(SceneDescription& scene, ErrorLog& log) {
