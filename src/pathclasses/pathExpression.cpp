@@ -199,7 +199,8 @@ PathAutomaton PathAutomaton::complement() const {
 
 bool PathAutomaton::isEmpty() const { return dfa->dead(0); }
 bool PathAutomaton::equivalent(const PathAutomaton& other) const {
-  if (dfa->letters == other.dfa->letters) return *dfa == *other.dfa;
+  if (alphabet == other.alphabet || (!alphabet->hasNames() && !other.alphabet->hasNames()))
+    return *dfa == *other.dfa;
   return subsetOf(other) && other.subsetOf(*this);
 }
 bool PathAutomaton::subsetOf(const PathAutomaton& other) const { return difference(other).isEmpty(); }

@@ -102,9 +102,10 @@ void registerImageMap(PlugIns& plugIns) {
              stringParameter("channel", "colours", "use this channel of the picture only")
                  .oneOf({"colours", "red", "green", "blue", "alpha"}),
              realParameter("threshold", "", "values from this on become 1, others 0; for cut-outs"),
-             stringParameter("encoding", "",
-                             "encoding of integer formats: \"sRGB\" (default), \"linear\", or \"gamma 2.2\" "
-                             "with any exponent. Floating-point formats are linear")}),
+             stringParameter(
+                 "encoding", "",
+                 "encoding of colours of integer formats: \"sRGB\" (default), \"linear\", or "
+                 "\"gamma 2.2\" with any exponent. Alpha and floating-point formats are linear")}),
         .examples = {}},
        makeImageMap});
 }

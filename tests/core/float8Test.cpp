@@ -126,8 +126,8 @@ TEST(Float8, bothPathsGiveTheSameBits) {
   }
 }
 
-template <class PATH> class Lanes : public testing::Test {};
-using Paths = testing::Types<BuiltPath, PortablePath>;
+template <class PATH> class Lanes : public ::testing::Test {};
+using Paths = ::testing::Types<BuiltPath, PortablePath>;
 TYPED_TEST_SUITE(Lanes, Paths);
 
 TYPED_TEST(Lanes, masksAndSums) {

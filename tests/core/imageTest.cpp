@@ -3,17 +3,21 @@
  */
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
+#include <memory>
 #include <random>
 #include <sstream>
 
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "picturesWithAlpha.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/error.h"
@@ -24,7 +28,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-class ImageFiles : public testing::Test {
+class ImageFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     folder = fs::temp_directory_path() / ("recurse-image-test-" + std::to_string(::getpid()));
@@ -137,6 +141,27 @@ TEST_F(ImageFiles, OtherChannelsAreSorted) {
   Image two(1, 1, {"u", "v"});
   writeImage(file("two.exr"), two);
   EXPECT_NE(messageOf([&] { readImage(file("two.exr")); }).find("its channels are: u v"), std::string::npos);
+}
+
+TEST_F(ImageFiles, ColoursAreAsStoredBesideAlpha) {
+  const auto expectColours = [](const Image& image, const std::string& name) {
+    ASSERT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B", "A"})) << name;
+    const std::array<float, 3> codes = {200, 100, 50};
+    for (size_t c = 0; c < 3; ++c)
+      EXPECT_NEAR(image.at(0, 0)[c], linearFromSrgb(codes[c] / 255), 1e-6) << name << " channel " << c;
+    EXPECT_NEAR(image.at(0, 0)[3], 64 / 255.f, 1e-6) << name;
+  };
+  const std::map<std::string, std::string> files = {{"a.png", PNG_WITH_ALPHA}, {"a.tga", TGA_WITH_ALPHA}};
+  for (const auto& [name, bytes] : files) {
+    std::ofstream(file(name), std::ios::binary) << bytes;
+    expectColours(readImage(file(name)), name);
+    expectColours(readImage({name, std::make_shared<const std::string>(bytes)}), name + " in memory");
+  }
+  // Associated by definition, also where a colour exceeds alpha.
+  Image associated(1, 1, {"R", "G", "B", "A"});
+  associated.pixels = {.2f, .1f, .5f, .25f};
+  writeImage(file("a.exr"), associated);
+  EXPECT_EQ(readImage(file("a.exr")).pixels, associated.pixels);
 }
 
 TEST_F(ImageFiles, SixteenBitIsSrgbToo) {

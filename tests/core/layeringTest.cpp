@@ -332,7 +332,7 @@ class LayeringChecker {
 };
 
 /** A tree of its own in a temporary folder; starts out sound. */
-class LayeringCheck : public testing::Test {
+class LayeringCheck : public ::testing::Test {
  protected:
   LayeringCheck() : root(fs::temp_directory_path() / ("recurse-layering-" + std::to_string(getpid()))) {
     fs::remove_all(root);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "model/textureTesting.h"
+#include "picturesWithAlpha.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/threads/parallel.h"
@@ -105,6 +106,29 @@ TEST(ImageMap, EncodingsOfEightBits) {
                             {none}, diagnostics))
         << wrong;
     expectPart(diagnostics.format(), "cannot be \"" + std::string(wrong) + "\"");
+  }
+}
+
+TEST(ImageMap, ColoursAreNotMultipliedByAlpha) {
+  const Folder folder;
+  const std::string file = folder.file("alpha.png");
+  std::ofstream(file, std::ios::binary) << PNG_WITH_ALPHA;
+  const Rgb colour = at(*makeTexture("imagemap", map(file, "\"string filter\" \"point\"")), .25, .5);
+  const Rgb stored(linearFromSrgb(200 / 255.f), linearFromSrgb(100 / 255.f), linearFromSrgb(50 / 255.f));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(colour[c], stored[c], stored[c] / 1000);
+}
+
+TEST(ImageMap, AlphaIsLinear) {
+  const Folder folder;
+  const std::string file = folder.file("alpha.png");
+  std::ofstream(file, std::ios::binary) << PNG_WITH_ALPHA;
+  for (const char* encoding : {"", "\"string encoding\" \"sRGB\"", "\"string encoding\" \"gamma 2.2\""}) {
+    const auto t = makeTexture(
+        "imagemap",
+        map(file, std::string("\"string channel\" \"alpha\" \"string filter\" \"point\" ") + encoding),
+        false);
+    EXPECT_NEAR(at(*t, .25, .5).r, 64 / 255., 1e-6) << encoding;
+    EXPECT_NEAR(at(*t, .75, .5).r, 128 / 255., 1e-6) << encoding;
   }
 }
 

@@ -12,9 +12,10 @@ using namespace recurse;
 
 namespace {
 
-std::unique_ptr<Scene> frameScene(const std::string& text, KeptParts* kept) {
+std::unique_ptr<Scene> frameScene(const std::string& text, KeptParts* kept, const std::string& camera = "") {
   Diagnostics diagnostics;
-  const SceneDescription description = parseScene("WorldBegin\n" + text, "kept.pbrt", "", diagnostics);
+  const SceneDescription description =
+      parseScene(camera + "\nWorldBegin\n" + text, "kept.pbrt", "", diagnostics);
   std::unique_ptr<Scene> scene = buildScene(description, {}, diagnostics, kept);
   EXPECT_TRUE(scene) << diagnostics.format();
   return scene;
@@ -113,4 +114,23 @@ TEST(KeptParts, ShapesOfObjectsAndTexturesAreMadeAnew) {
   const std::unique_ptr<Scene> second = frameScene(text(1.3, 0), &kept);
   EXPECT_EQ(kept.shapes.kept, 0u);
   expectTheSame(*second, *frameScene(text(1.3, 0), nullptr));
+}
+
+TEST(KeptParts, DisplacedShapesAreDicedForTheCameraOfTheFrame) {
+  const std::string mesh = "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  0 1 0 ] "
+                           "\"integer indices\" [ 0 1 2 ] \"float displacement\" .1 ";
+  const auto camera = [](int distance) {
+    return "Film \"rgb\" \"integer xresolution\" 32 \"integer yresolution\" 32\nLookAt 0 0 " +
+           std::to_string(distance) + " 0 0 0 0 1 0\nCamera \"perspective\"";
+  };
+  KeptParts kept;
+  const std::unique_ptr<Scene> far = frameScene(mesh, &kept, camera(20));
+  const std::unique_ptr<Scene> near = frameScene(mesh, &kept, camera(3));
+  EXPECT_GT(near->contents().triangles, 2 * far->contents().triangles);
+  EXPECT_EQ(near->contents().triangles, frameScene(mesh, nullptr, camera(3))->contents().triangles);
+  // Edges of a given length do not depend on the camera.
+  KeptParts fixed;
+  const std::unique_ptr<Scene> first = frameScene(mesh + "\"float edgelength\" .2", &fixed, camera(20));
+  const std::unique_ptr<Scene> second = frameScene(mesh + "\"float edgelength\" .2", &fixed, camera(3));
+  EXPECT_EQ(fixed.shapes.kept, 1u);
 }

@@ -150,6 +150,13 @@ TEST_F(MeshFile, EmittingMaterialsAndLightsAreTakenOrLeft) {
   EXPECT_EQ(Vec3d(lit.lights[0].worldFromLight[3]), Vec3d(1, 0, 0));
   EXPECT_EQ(numberOf(lit.lights[0].light, "from", 2), 7);
   EXPECT_TRUE(build(lit));
+  EXPECT_EQ(messages, "");
+  const SceneDescription moving = load("ActiveTransform EndTime Translate 0 2 0 ActiveTransform All\nShape "
+                                       "\"mesh\" \"string filename\" \"m.gltf\"");
+  EXPECT_NE(messages.find("test.pbrt:3:7: warning: lights of the file do not move"), std::string::npos)
+      << messages;
+  EXPECT_EQ(moving.lights.at(0).worldFromLight, Mat4d(1));
+  EXPECT_TRUE(moving.shapes.at(0).worldFromObjectLast);
   const SceneDescription dark = load("Shape \"mesh\" \"string filename\" \"m.gltf\" \"bool lights\" false");
   EXPECT_TRUE(dark.areaLights.empty());
   EXPECT_TRUE(dark.lights.empty());
@@ -175,6 +182,12 @@ TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
   EXPECT_NEAR(camera[3].z, 8, 1e-6);
   EXPECT_NEAR(camera[2].z, -1, 1e-6); // forward
   EXPECT_NEAR(camera[0].x, 1, 1e-6);  // what is to the right stays there
+  EXPECT_FALSE(scene.worldFromCameraLast);
+  const SceneDescription moving =
+      load("ActiveTransform EndTime Translate 0 2 0 ActiveTransform All "
+           "Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"eye\"");
+  ASSERT_TRUE(moving.worldFromCameraLast);
+  EXPECT_NEAR((*moving.worldFromCameraLast)[3].y, moving.worldFromCamera[3].y + 2, 1e-6);
   load("Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"ear\"", true);
   EXPECT_NE(messages.find("has no camera \"ear\""), std::string::npos) << messages;
   EXPECT_NE(messages.find("\"eye\""), std::string::npos) << messages;

@@ -38,6 +38,18 @@ TEST(MethodsReport, ClassesAreAsFineAsTheClaims) {
   EXPECT_NO_THROW(planStills(fine));
 }
 
+TEST(MethodsReport, ManyPartsOfAClassHaveNamesForLayers) {
+  std::vector<std::string> claims;
+  for (int events = 1; events <= 60; ++events) claims.push_back("LD{" + std::to_string(events) + "}E");
+  const std::vector<PathClass> fine = refineClasses({{"all", "all"}}, claims);
+  ASSERT_EQ(fine.size(), 61u);
+  EXPECT_EQ(fine[0].name, "all-a");
+  EXPECT_EQ(fine[25].name, "all-z");
+  EXPECT_EQ(fine[26].name, "all-aa");
+  EXPECT_EQ(fine[52].name, "all-ba");
+  EXPECT_NO_THROW(planStills(fine));
+}
+
 TEST(MethodsReport, ErrorOfItsOwnPathsAndWhatIsLeftOut) {
   MethodsReport report;
   report.classes = {{"direct", "LDE"}, {"two", "LDDE"}, {"rest", "all - (LDE|LDDE)"}};

@@ -196,6 +196,23 @@ TEST(Stills, FilesHoldEveryLayer) {
   }
 }
 
+TEST(Stills, ClassesWithAnyNamesAreReadBack) {
+  const TemporaryFolder folder;
+  const std::vector<PathClass> classes = {
+      {"both", "L'a; b'.*E"}, {"quotes", "L'it''s; = '.*E"}, {"one", "L'x'D'y; z'E"}, {"plain", "LVE"}};
+  Stills stills = makeStills(filmOf(1, 1, 6, std::vector<Rgb>(6, Rgb(1))), planStills(classes), 1);
+  stills.remarks = {"lamp is light.pbrt; line 3", "the lamp's light; of both"};
+  describeStills(stills);
+  writeStills(folder.name, stills);
+  const Stills again = readStills(folder.name);
+  ASSERT_EQ(again.layers.size(), stills.layers.size());
+  for (size_t i = 0; i < stills.layers.size(); ++i) {
+    EXPECT_EQ(again.layers[i].name, stills.layers[i].name);
+    EXPECT_EQ(again.layers[i].expression, stills.layers[i].expression);
+  }
+  EXPECT_EQ(again.remarks, stills.remarks);
+}
+
 TEST(Stills, PageNeedsNothingButItself) {
   const StillsPlan plan = planStills({{"lamp", "LE"}, {"floor", "LDE"}});
   Stills stills = makeStills(filmOf(1, 1, 3, {Rgb(1), Rgb(2), Rgb(3)}), plan, 1);

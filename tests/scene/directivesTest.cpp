@@ -229,6 +229,13 @@ TEST(Directives, ObjectsStandInObjects) {
   const std::vector<std::string>& operands = moving.shapes.at(0).shape.parameters.at(0).strings;
   EXPECT_EQ(moving.objects.at(operands.at(0)).shapes.size(), 1u);
   EXPECT_EQ(operands.at(1), "leaf");
+  const SceneDescription byAttribute = parseGood(
+      text + "Attribute \"shape\" \"string operands\" [ \"twig\" \"leaf\" ] Shape \"csg\" Shape \"csg\"");
+  const auto& attributes = byAttribute.shapes.at(0).shape.attributes;
+  ASSERT_TRUE(attributes);
+  EXPECT_EQ(attributes->at(0).strings, operands);
+  EXPECT_EQ(byAttribute.objects.at(attributes->at(0).strings.at(0)).shapes.size(), 1u);
+  EXPECT_EQ(byAttribute.shapes.at(1).shape.attributes, attributes);
 }
 
 TEST(Directives, ObjectErrors) {

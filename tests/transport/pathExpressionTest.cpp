@@ -327,6 +327,18 @@ TEST(PathAutomaton, IsTheSmallest) {
   EXPECT_FALSE(PathAutomaton::compile("LS+E").equivalent(PathAutomaton::compile("LS*E")));
 }
 
+TEST(PathAutomaton, SetsWithNamesCompiledApartAreNotCompared) {
+  const PathAutomaton a = PathAutomaton::compile("L'a'.*E"), b = PathAutomaton::compile("L'b'.*E");
+  EXPECT_THROW(a.equivalent(b), std::logic_error);
+  EXPECT_THROW(a.subsetOf(b), std::logic_error);
+  EXPECT_THROW(a.unite(b), std::logic_error);
+  EXPECT_TRUE(a.equivalent(a));
+  EXPECT_FALSE(a.equivalent(PathAutomaton::compile("all")));
+  EXPECT_TRUE(a.unite(a.complement()).equivalent(PathAutomaton::compile("all")));
+  const std::vector<PathAutomaton> together = PathAutomaton::compileAll({{"a", "L'a'.*E"}, {"b", "L'b'.*E"}});
+  EXPECT_FALSE(together[0].equivalent(together[1]));
+}
+
 TEST(PathAutomaton, ExamplesOfEachLengthPutPathsWithoutMediaFirst) {
   EXPECT_EQ(PathAutomaton::compile("all").exampleWords(2, 5),
             (std::vector<std::string>{"LE", "LSE", "LDE", "LVE", "LSSE", "LSDE", "LDSE", "LDDE", "LSVE"}));

@@ -252,12 +252,16 @@ OpenImage openImage(const FileReference& file) {
         tgaOfPcx(fileName, image.content ? *image.content : readWholeFile(fileName)));
     readerName += ".tga";
   }
+  OIIO::ImageSpec asStored;
+  asStored.attribute("oiio:UnassociatedAlpha", 1);
   if (image.content) {
     image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<char*>(image.content->data()),
                                                                    image.content->size());
-    image.input = OIIO::ImageInput::open(readerName, nullptr, image.memory.get());
+    OIIO::Filesystem::IOProxy* const proxy = image.memory.get();
+    asStored.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);
+    image.input = OIIO::ImageInput::open(readerName, &asStored, proxy);
   } else {
-    image.input = OIIO::ImageInput::open(readerName);
+    image.input = OIIO::ImageInput::open(readerName, &asStored);
   }
   if (!image.input) throw Error(fileName + ": cannot be read: " + readFailure(OIIO::geterror()));
   const OIIO::ImageSpec& spec = image.input->spec();

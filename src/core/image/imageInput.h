@@ -22,7 +22,9 @@ struct OpenImage {
   OIIO::ImageInput* operator->() const { return input.get(); }
 };
 
-/** Opens a two-dimensional image, at the start of its pixels. Throws Error naming the file and the reason. */
+/** Opens a two-dimensional image, at the start of its pixels. Colours are as the file stores them: PNG and
+ * the like are not multiplied by alpha, which would be wrong for encoded colours. Throws Error naming the
+ * file and the reason. */
 OpenImage openImage(const FileReference& file);
 /** Error for std::bad_alloc while reading: headers of damaged images may ask for any size. */
 Error lacksMemory(const FileReference& file);

@@ -325,7 +325,12 @@ std::pair<size_t, size_t> textureMemory() { return detail::PixelStore::totals();
 
 ImageTexture::ImageTexture(const FileReference& file, const ImageEncoding& encoding,
                            const ImageTextureSettings& settings)
-    : source(Source::of(file, encoding, settings.channels)), settings(settings) {}
+    : source(Source::of(file,
+                        settings.channels == ImageChannels::ALPHA
+                            ? ImageEncoding{ImageEncoding::Kind::LINEAR, 1}
+                            : encoding,
+                        settings.channels)),
+      settings(settings) {}
 
 ImageTexture::~ImageTexture() = default;
 

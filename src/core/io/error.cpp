@@ -3,6 +3,7 @@
  */
 #include "recurse/core/io/error.h"
 
+#include "recurse/core/io/terminalText.h"
 #include "recurse/core/io/text.h"
 
 #include <algorithm>
@@ -33,21 +34,25 @@ namespace {
 constexpr size_t SHOWN_COLUMNS = 100;
 
 std::string caretLines(const SourceLocation& where) {
-  std::string text = where.lineText();
-  size_t caret = where.column > 0 ? static_cast<size_t>(where.column - 1) : 0;
-  if (text.empty() || caret > text.size()) return {};
-  std::string lead;
-  if (text.size() > SHOWN_COLUMNS) {
-    const size_t begin = caret > SHOWN_COLUMNS / 2 ? caret - SHOWN_COLUMNS / 2 : 0;
-    if (begin > 0) lead = "...";
-    const bool cut = begin + SHOWN_COLUMNS < text.size();
-    text = text.substr(begin, SHOWN_COLUMNS) + (cut ? "..." : "");
-    caret -= begin;
+  const std::string text = where.lineText();
+  const size_t caretByte = where.column > 0 ? static_cast<size_t>(where.column - 1) : 0;
+  if (text.empty() || caretByte > text.size()) return {};
+  size_t count = 0, caret = 0; // [characters]
+  for (size_t i = 0; i < text.size(); ++count) {
+    i += characterAt(text, i).bytes;
+    if (i <= caretByte) ++caret;
   }
-  // Control bytes would garble a terminal; a tab becomes one blank so that the caret stays in its column.
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  return "    " + lead + text + "\n    " + std::string(lead.size() + caret, ' ') + "^\n";
+  const size_t begin = count > SHOWN_COLUMNS && caret > SHOWN_COLUMNS / 2 ? caret - SHOWN_COLUMNS / 2 : 0;
+  const std::string lead = begin > 0 ? "..." : "";
+  std::string shown;
+  for (size_t i = 0, column = 0; i < text.size() && column < begin + SHOWN_COLUMNS; ++column) {
+    const TextCharacter c = characterAt(text, i);
+    // What would garble a terminal, a tab too, becomes one blank, so that the caret stays in its column.
+    if (column >= begin) shown += c.isPlain ? text.substr(i, c.bytes) : " ";
+    i += c.bytes;
+  }
+  if (begin + SHOWN_COLUMNS < count) shown += "...";
+  return "    " + lead + shown + "\n    " + std::string(lead.size() + caret - begin, ' ') + "^\n";
 }
 
 /** Edit distance: letters to insert, delete, replace, or exchange with their neighbour. */
@@ -67,13 +72,17 @@ size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/** Limits of texts that a person reads, since names in a scene may be as long as the file [characters]. */
+/** Limits of texts that a person reads, since names in a scene may be as long as the file [bytes]. */
 constexpr size_t MAX_MESSAGE = 600, MAX_LIST = 4000;
 
-/** Text without its middle where it is too long: its ends contain the error and its location. */
+/** Text without its middle where it is too long [bytes]: its ends contain the error and its location. */
 std::string abbreviated(const std::string& text, size_t most) {
   if (text.size() <= most) return text;
-  return text.substr(0, most / 2) + "[...]" + text.substr(text.size() - most / 2);
+  const auto cutsCharacter = [&](size_t i) { return (text[i] & 0xc0) == 0x80; };
+  size_t head = most / 2, tail = text.size() - most / 2;
+  while (head > 0 && cutsCharacter(head)) --head;
+  while (tail < text.size() && cutsCharacter(tail)) ++tail;
+  return text.substr(0, head) + "[...]" + text.substr(tail);
 }
 
 /** Locations of all but the first of some equal diagnostics, up to a readable number of them. */

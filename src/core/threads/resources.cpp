@@ -1,5 +1,5 @@
 /** @file
- * Available memory according to Linux, the control group, and the limits set in the shell.
+ * Available memory according to Linux, the control groups, and the limits set in the shell.
  */
 #include "recurse/core/threads/resources.h"
 
@@ -11,6 +11,7 @@
 
 #include <sys/resource.h>
 
+#include "core/threads/controlGroup.h"
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/text.h"
 
@@ -30,13 +31,6 @@ double numberAfter(const char* fileName, const std::string& word) {
   return INFINITY;
 }
 
-/** Memory limit of the control group [bytes]; infinite without one. */
-double groupLimit() {
-  std::ifstream in("/sys/fs/cgroup/memory.max");
-  double bytes = 0;
-  return in >> bytes ? bytes : INFINITY; // "max" is no number
-}
-
 double limitOfAddresses() {
   rlimit limit{};
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return INFINITY;
@@ -50,7 +44,7 @@ void setMemoryLimit(double bytes) { memoryLimit = bytes; }
 double availableMemory() {
   const double left = memoryLimit < INFINITY ? memoryLimit - numberAfter("/proc/self/status", "VmRSS:")
                                              : numberAfter("/proc/meminfo", "MemAvailable:");
-  return std::max(0.0, std::min({left, groupLimit(), limitOfAddresses()}));
+  return std::max(0.0, std::min({left, detail::memoryLeftByGroups(), limitOfAddresses()}));
 }
 
 void requireMemory(const std::string& subject, double bytes) {

@@ -3,6 +3,7 @@
  */
 #include "model/builder/objectNames.h"
 
+#include <charconv>
 #include <filesystem>
 
 namespace recurse {
@@ -16,6 +17,15 @@ std::string nameOf(const ShapeDescription& s) {
     if (p.name == "filename" && p.strings.size() == 1)
       return std::filesystem::path(p.strings[0]).stem().string();
   return s.shape.type;
+}
+
+/** Number at the end of a name such as `tree.2`, behind `tree.`; 0 for a name that no copy can have. */
+uint32_t copyNumber(const std::string& name) {
+  const size_t digits = name.rfind('.') + 1; // 0 without a point
+  uint32_t number = 0;
+  std::from_chars(name.data() + digits, name.data() + name.size(), number);
+  const bool isCopy = digits > 0 && number > 1 && name.substr(digits) == std::to_string(number);
+  return isCopy ? number : 0;
 }
 
 } // namespace
@@ -35,6 +45,7 @@ uint32_t ObjectNames::add(const std::string& name) {
   if (isNew) {
     names.push_back(name);
     copies.push_back(0);
+    if (const uint32_t number = copyNumber(name)) taken[name.substr(0, name.rfind('.'))].insert(number);
   }
   objects.push_back({found->second, ++copies[found->second]});
   return uint32_t(objects.size() - 1);
@@ -42,7 +53,15 @@ uint32_t ObjectNames::add(const std::string& name) {
 
 std::string ObjectNames::operator[](uint32_t object) const {
   const Object& o = objects[object];
-  return o.copy == 1 ? names[o.name] : names[o.name] + "." + std::to_string(o.copy);
+  const std::string& name = names[o.name];
+  if (o.copy == 1) return name;
+  uint32_t number = o.copy;
+  if (const auto others = taken.find(name); others != taken.end())
+    for (const uint32_t other : others->second) { // in ascending order
+      if (other > number) break;
+      ++number;
+    }
+  return name + "." + std::to_string(number);
 }
 
 std::string Scene::materialName(const Material* material) const {
@@ -54,7 +73,10 @@ uint32_t ObjectNamer::objectOf(const ShapeDescription* shape, const InstanceDesc
   if (!instance) return names.add(nameOf(*shape));
   const auto known = atTop.find(instance);
   if (known != atTop.end()) return known->second;
-  if (instance != last) lastObject = names.add(instance->object);
+  if (instance != last) {
+    const auto object = scene.objects.find(instance->object);
+    lastObject = names.add(object == scene.objects.end() ? instance->object : object->second.name);
+  }
   last = instance;
   return lastObject;
 }

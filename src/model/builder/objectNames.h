@@ -15,7 +15,7 @@ std::string givenName(const ParsedDirective& directive);
 /** All parts of an instance are one object. */
 class ObjectNamer {
  public:
-  explicit ObjectNamer(ObjectNames& names) : names(names) {}
+  ObjectNamer(ObjectNames& names, const SceneDescription& scene) : names(names), scene(scene) {}
   /** Object index of a shape. `instance`: the instance that it is a part of, or null. Call after
    * objectAtTop() for all parts at the top level; the parts of one instance come consecutively. */
   uint32_t objectOf(const ShapeDescription* shape, const InstanceDescription* instance);
@@ -24,6 +24,7 @@ class ObjectNamer {
 
  private:
   ObjectNames& names;
+  const SceneDescription& scene;
   std::map<const InstanceDescription*, uint32_t> atTop; ///< instances with parts at the top level: lamps
   const InstanceDescription* last = nullptr;
   uint32_t lastObject = 0;

@@ -287,7 +287,7 @@ class SceneBuilder {
   // ---- trees
 
   void buildTrees() {
-    ObjectNamer objects(scene->objectNames);
+    ObjectNamer objects(scene->objectNames, description);
     std::multimap<KeptParts::TreeKey, std::shared_ptr<GeometryGroup>> trees;
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
       const std::vector<ShapeGroups::Placed>& placed = shapes.groups()[i].placed;

@@ -68,20 +68,13 @@ ShapeGroups::ShapeGroups(BuildContext& context, SceneMaterials& materials, Scene
 }
 
 std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const Group& group) {
-  const auto displaces = [](const std::vector<ParsedParameter>& list) {
-    return std::any_of(list.begin(), list.end(),
-                       [](const ParsedParameter& p) { return p.name == "displacement"; });
-  };
-  const auto isDisplaced = [&](const ShapeDescription& shape) {
-    return displaces(shape.shape.parameters) ||
-           (shape.shape.attributes && displaces(*shape.shape.attributes));
-  };
-  // CSG may be made of objects with a displaced part.
+  const auto isDiced = [](const ShapeDescription& shape) { return isDicedByView(shape.shape); };
+  // CSG may be made of objects with such a part.
   const bool mayBe =
-      isDisplaced(s) ||
+      isDiced(s) ||
       (s.shape.type == "csg" &&
        std::any_of(c.description.objects.begin(), c.description.objects.end(), [&](const auto& o) {
-         return std::any_of(o.second.shapes.begin(), o.second.shapes.end(), isDisplaced);
+         return std::any_of(o.second.shapes.begin(), o.second.shapes.end(), isDiced);
        }));
   if (!mayBe) return nullptr;
   if (!pixels) {
@@ -131,7 +124,8 @@ std::shared_ptr<Shape> ShapeGroups::makeShape(const ShapeDescription& s, const S
     return std::none_of(list.begin(), list.end(), isTexture);
   };
   const bool isCutOut = context.material && context.material->opacity;
-  if (kept && !isCutOut && none(s.shape.parameters) && (!s.shape.attributes || none(*s.shape.attributes))) {
+  const bool hasNoTextures = none(s.shape.parameters) && (!s.shape.attributes || none(*s.shape.attributes));
+  if (kept && !isCutOut && hasNoTextures && !context.dicing) {
     key = keyOf(s.shape, context.sceneFromObject) + (context.reverseOrientation ? "r" : "");
     if (std::shared_ptr<Shape> shape = kept->shapes.take(key)) {
       ++kept->shapes.kept;

@@ -68,7 +68,7 @@ class ShapeGroups final : public ShapeLookup {
   std::shared_ptr<Shape> makeShape(const ShapeDescription& s, const ShapeContext& context, std::string& key);
   /** A new shape; null after an error, which has a location even where memory runs out. */
   std::unique_ptr<Shape> newShape(const ShapeDescription& s, const ShapeContext& context);
-  /** Dicing for a shape of the group that may be displaced, else null. */
+  /** Dicing for a shape of the group that may be displaced with edges as long as pixels, else null. */
   std::unique_ptr<Dicing> dicingOf(const ShapeDescription& s, const Group& group);
   /** Number of solids in a shape, and levels of CSG; 1 and 0 for a shape that is no CSG. */
   struct SolidCount {

@@ -3,6 +3,8 @@
  */
 #include "model/mesh/viewDicing.h"
 
+#include <algorithm>
+
 namespace recurse {
 
 PixelWidths::PixelWidths(std::unique_ptr<Camera> given, const FilmSettings& film)
@@ -60,6 +62,15 @@ double PixelWidths::foreshortening(const Vec3d& along, const Vec3d& view) {
   constexpr double MOST = 4;
   const double lengths = glm::length(along) * glm::length(view), seen = glm::length(glm::cross(along, view));
   return lengths < MOST * seen ? lengths / seen : lengths > 0 ? MOST : 1;
+}
+
+bool isDicedByView(const ParsedDirective& shape) {
+  const auto has = [&](const char* name) {
+    const auto isNamed = [&](const ParsedParameter& p) { return p.name == name; };
+    return std::any_of(shape.parameters.begin(), shape.parameters.end(), isNamed) ||
+           (shape.attributes && std::any_of(shape.attributes->begin(), shape.attributes->end(), isNamed));
+  };
+  return has("displacement") && !has("edgelength");
 }
 
 ViewDicing::ViewDicing(const PixelWidths& pixels, std::vector<Mat4d> given)

@@ -31,6 +31,9 @@ class PixelWidths {
   double angle = 0, offset = 0; ///< least values between the rays of adjacent pixels: [rad], [world units]
 };
 
+/** True for the directive of a shape whose edges ViewDicing shortens: displaced, without a given length. */
+bool isDicedByView(const ParsedDirective& shape);
+
 /** Edge lengths for a group of shapes with one placement or many. */
 class ViewDicing final : public Dicing {
  public:

@@ -124,24 +124,38 @@ class ImportExpander {
       scene.instances.push_back(std::move(i));
     }
     if (!object) newObjects.merge(piece.objects);
-    if (object && !piece.lights.empty())
+    placeLights(piece.lights, at, object != nullptr);
+    if (import.chosen) placeCamera(*import.chosen, at);
+    scene.importedFiles.insert(scene.importedFiles.end(), import.filesRead.begin(), import.filesRead.end());
+    noteContents(import, at);
+  }
+
+  void placeLights(std::vector<LightDescription>& lights, const ShapeDescription& at, bool inObject) {
+    if (lights.empty()) return;
+    if (inObject) {
       diagnostics.warning(at.shape.location, "lights of the file are left out: objects cannot contain lights",
                           "the Shape outside of ObjectBegin");
-    else
-      for (LightDescription& l : piece.lights) {
-        l.worldFromLight = at.worldFromObject * l.worldFromLight;
-        scene.lights.push_back(std::move(l));
-      }
-    if (import.chosen && !scene.cameraName.empty())
+      return;
+    }
+    if (at.worldFromObjectLast)
+      diagnostics.warning(at.shape.location,
+                          "lights of the file do not move: they use the StartTime transform only");
+    for (LightDescription& l : lights) {
+      l.worldFromLight = at.worldFromObject * l.worldFromLight;
+      scene.lights.push_back(std::move(l));
+    }
+  }
+
+  void placeCamera(const ImportedCamera& camera, const ShapeDescription& at) {
+    if (!scene.cameraName.empty()) {
       diagnostics.warning(at.shape.location,
                           "the camera \"" + scene.cameraName + "\" of the scene stays where it is",
                           "a scene whose camera has no \"name\" gets the position of the file's camera");
-    else if (import.chosen) {
-      scene.worldFromCamera = at.worldFromObject * import.chosen->worldFromCamera;
-      scene.worldFromCameraLast.reset();
+      return;
     }
-    scene.importedFiles.insert(scene.importedFiles.end(), import.filesRead.begin(), import.filesRead.end());
-    noteContents(import, at);
+    scene.worldFromCamera = at.worldFromObject * camera.worldFromCamera;
+    scene.worldFromCameraLast.reset();
+    if (at.worldFromObjectLast) scene.worldFromCameraLast = *at.worldFromObjectLast * camera.worldFromCamera;
   }
 
   /** Prefix of the files that a model becomes: its name, for messages. */

@@ -82,6 +82,12 @@ Json figures(const MethodsReport& report) {
   return data;
 }
 
+/** Letters of a number from 0: a to z, then aa, ab and so on. */
+std::string lettersOf(size_t number) {
+  const std::string before = number < 26 ? "" : lettersOf(number / 26 - 1);
+  return before + static_cast<char>('a' + number % 26);
+}
+
 } // namespace
 
 std::vector<PathClass> refineClasses(const std::vector<PathClass>& classes,
@@ -113,8 +119,7 @@ std::vector<PathClass> refineClasses(const std::vector<PathClass>& classes,
       parts = std::move(finer);
     }
     for (size_t i = 0; i < parts.size(); ++i)
-      out.push_back(
-          {parts.size() == 1 ? c.name : c.name + "-" + static_cast<char>('a' + i), parts[i].expression});
+      out.push_back({parts.size() == 1 ? c.name : c.name + "-" + lettersOf(i), parts[i].expression});
   }
   return out;
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <filesystem>
 #include <set>
+#include <sstream>
+#include <string_view>
 
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/error.h"
@@ -88,20 +90,25 @@ std::vector<std::string> channelNames(const std::vector<StillLayer>& layers) {
   return names;
 }
 
-/** Parts of a text between separators. */
-std::vector<std::string> parts(const std::string& text, const std::string& separator) {
+constexpr std::string_view SEPARATOR = "; "; ///< of classes in metadata
+
+/** Classes of a list in metadata. Names in quotes may contain the separator. */
+std::vector<std::string> listedClasses(const std::string& text) {
   std::vector<std::string> out;
-  for (size_t start = 0; start < text.size();) {
-    const size_t end = std::min(text.find(separator, start), text.size());
-    out.push_back(text.substr(start, end - start));
-    start = end + separator.size();
+  for (size_t i = 0, begin = 0; begin < text.size(); ++i) {
+    if (i < text.size() && text[i] == '\'') i = std::min(text.find('\'', i + 1), text.size());
+    if (i < text.size() && text.compare(i, SEPARATOR.size(), SEPARATOR) != 0) continue;
+    out.push_back(text.substr(begin, i - begin));
+    begin = i + SEPARATOR.size();
   }
   return out;
 }
 
-std::string joined(const std::vector<std::string>& list, const std::string& separator) {
-  std::string out;
-  for (const std::string& s : list) out += (out.empty() ? "" : separator) + s;
+/** Remarks in metadata, one a line. */
+std::vector<std::string> listedRemarks(const std::string& text) {
+  std::vector<std::string> out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) out.push_back(line);
   return out;
 }
 
@@ -180,12 +187,15 @@ Stills makeStills(const Film& film, const StillsPlan& plan, float scale) {
 }
 
 void describeStills(Stills& stills) {
-  std::vector<std::string> classes;
-  for (size_t i = 1; i < stills.layers.size(); ++i)
-    classes.push_back(stills.layers[i].name + " = " + stills.layers[i].expression);
-  stills.image.metadata["recurse:classes"] = joined(classes, "; ");
+  std::string classes, remarks;
+  for (size_t i = 1; i < stills.layers.size(); ++i) {
+    if (i > 1) classes += SEPARATOR;
+    classes += stills.layers[i].name + " = " + stills.layers[i].expression;
+  }
+  for (const std::string& remark : stills.remarks) remarks += (remarks.empty() ? "" : "\n") + remark;
+  stills.image.metadata["recurse:classes"] = classes;
   stills.image.metadata["recurse:additive"] = stills.additive ? "yes" : "no";
-  stills.image.metadata["recurse:remarks"] = joined(stills.remarks, "; ");
+  stills.image.metadata["recurse:remarks"] = remarks;
   stills.image.metadata["recurse:title"] = stills.title;
   stills.image.metadata["recurse:label"] = stills.label;
 }
@@ -203,7 +213,7 @@ Stills stillsOf(const Image& picture, const std::string& fileName) {
   };
   Stills stills;
   stills.layers.push_back({"beauty", "all"});
-  for (const std::string& text : parts(metadata("recurse:classes"), "; ")) {
+  for (const std::string& text : listedClasses(metadata("recurse:classes"))) {
     const size_t equals = text.find(" = ");
     const std::string name = text.substr(0, equals);
     if (picture.channel(name + ".R") >= 0)
@@ -228,7 +238,7 @@ Stills stillsOf(const Image& picture, const std::string& fileName) {
       stills.image.pixels[p * stride + c] = picture.pixels[p * picture.channels.size() + size_t(from)];
   }
   stills.additive = metadata("recurse:additive") == "yes";
-  stills.remarks = parts(metadata("recurse:remarks"), "; ");
+  stills.remarks = listedRemarks(metadata("recurse:remarks"));
   stills.title = metadata("recurse:title", fs::path(fileName).filename().string());
   stills.label = metadata("recurse:label", fileName);
   measure(stills);

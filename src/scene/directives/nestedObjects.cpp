@@ -3,6 +3,9 @@
  */
 #include "scene/directives/nestedObjects.h"
 
+#include <algorithm>
+#include <memory>
+
 namespace recurse::sceneFile {
 
 namespace {
@@ -12,14 +15,32 @@ constexpr size_t MAX_INSTANCES = size_t(1) << 24;
 /** Maximum depth of nested objects, which bounds the recursion. */
 constexpr int MAX_LEVELS = 256;
 
+/** Key of an object with copies of all shapes inside it. */
 std::string wholeName(const std::string& name) { return name + " and its contents"; }
 
-/** Calls visit(names) for the operand names of each solid. */
+/** Calls visit(names) for the operand names of each solid: in its parameters, and in attributes, which shapes
+ * share and continue to share. */
 template <class Visit> void forOperands(SceneDescription& scene, const Visit& visit) {
+  const auto isOperands = [](const ParsedParameter& p) { return p.name == "operands"; };
+  const auto visitAll = [&](std::vector<ParsedParameter>& parameters) {
+    for (ParsedParameter& p : parameters)
+      if (isOperands(p)) visit(p.strings);
+  };
+  using Attributes = decltype(ParsedDirective::attributes);
+  std::map<Attributes, Attributes> visited;
   const auto look = [&](std::vector<ShapeDescription>& shapes) {
-    for (ShapeDescription& s : shapes)
-      for (ParsedParameter& p : s.shape.parameters)
-        if (p.name == "operands") visit(p.strings);
+    for (ShapeDescription& s : shapes) {
+      visitAll(s.shape.parameters);
+      Attributes& shared = s.shape.attributes;
+      if (!shared || std::none_of(shared->begin(), shared->end(), isOperands)) continue;
+      const auto [place, isNew] = visited.try_emplace(shared);
+      if (isNew) {
+        std::vector<ParsedParameter> own = *shared;
+        visitAll(own);
+        place->second = std::make_shared<const std::vector<ParsedParameter>>(std::move(own));
+      }
+      shared = place->second;
+    }
   };
   look(scene.shapes);
   for (auto& [name, object] : scene.objects) look(object.shapes);
@@ -63,7 +84,6 @@ void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, 
   const auto object = scene.objects.find(name);
   if (object == scene.objects.end()) return; // reported at its use
   ObjectDescription whole = object->second;
-  whole.name = wholeName(name);
   forAllInside(name, Mat4d(1), [&](const InstanceDescription& i, const Mat4d& wholeFromInner) {
     const auto inner = scene.objects.find(i.object);
     if (inner == scene.objects.end()) {
@@ -76,7 +96,7 @@ void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, 
       whole.shapes.push_back(std::move(s));
     }
   });
-  scene.objects.emplace(whole.name, whole);
+  scene.objects.emplace(wholeName(name), std::move(whole));
 }
 
 void NestedObjects::expand(SceneDescription& scene, ErrorLog& log) {

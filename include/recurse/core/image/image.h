@@ -52,8 +52,8 @@ float linearFromSrgb(float encoded);
 float srgbFromLinear(float linear);
 
 /** Reads any format that OpenImageIO supports, and PCX. Channels are in channelOrder(), a grey one as R, G
- * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours of formats with
- * unassociated alpha, such as PNG, are multiplied by it before they are decoded. Throws Error naming the file
+ * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours are not multiplied
+ * by alpha: those of PNG are independent of it, those of EXR contain it already. Throws Error naming the file
  * and the reason. */
 Image readImage(const FileReference& file);
 

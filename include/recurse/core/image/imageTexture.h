@@ -13,14 +13,14 @@
 
 namespace recurse {
 
-/** Encoding of the values of integer formats, alpha included; floating-point formats are linear. */
+/** Encoding of the colours of integer formats; alpha and floating-point formats are linear. */
 struct ImageEncoding {
   enum class Kind { SRGB, LINEAR, GAMMA } kind = Kind::SRGB;
   float gamma = 1; ///< for GAMMA: light = value^gamma
 };
 
-/** Channels of a file that a texture uses: its colours, or one channel alone. Colours of formats with
- * unassociated alpha, such as PNG, are multiplied by it. */
+/** Channels of a file that a texture uses: its colours, or one channel alone. Colours are not multiplied by
+ * alpha. */
 enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
+#include <limits>
 #include <memory>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -28,7 +30,7 @@ template <class T> class LargeArray {
   /** Number of objects that there is room for. */
   size_t size() const { return capacity; }
   /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. Throws
-   * std::bad_alloc. */
+   * std::bad_alloc: then a content to be kept is unchanged, and another one is gone. */
   void reserve(size_t n, bool keep = false);
 
  private:
@@ -45,13 +47,16 @@ void* allocateLarge(size_t& bytes);
 template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {
   static_assert(std::is_trivially_copyable_v<T>);
   if (n <= capacity) return;
+  // Half of the addresses: with what is added and rounded up, the number of bytes does not overflow.
+  if (n > std::numeric_limits<size_t>::max() / 2 / sizeof(T)) throw std::bad_alloc();
   // Second and later requests get 1/16 more: they are likely to be followed by a slightly larger one.
   size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);
-  std::unique_ptr<T, Release> old = std::move(room);
-  if (!keep) old.reset();
-  room.reset(static_cast<T*>(allocateLarge(bytes)));
-  if (keep) std::copy_n(old.get(), capacity, room.get());
-  capacity = bytes / sizeof(T);
+  if (!keep) *this = LargeArray();
+  LargeArray grown;
+  grown.room.reset(static_cast<T*>(allocateLarge(bytes)));
+  grown.capacity = bytes / sizeof(T);
+  if (keep) std::copy_n(data(), capacity, grown.data());
+  *this = std::move(grown);
 }
 
 } // namespace recurse

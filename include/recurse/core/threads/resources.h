@@ -12,8 +12,8 @@ namespace recurse {
 void setMemoryLimit(double bytes);
 
 /** Memory that the process can still take [bytes]: the remainder of setMemoryLimit(), else the memory free
- * without swapping; at most the remainder of the limit of addresses set in the shell, and at most the whole
- * limit of the control group (version 2, at its root), in use or not. Infinite where none is known. */
+ * without swapping; at most the remainder of the limit of addresses set in the shell, and of the limits of
+ * the control groups that the process is in. Infinite where none is known. */
 double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. Up to 64 MiB

@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,7 +51,8 @@ class ObjectNames {
  public:
   /** Adds an object; returns its index, counted from 0. */
   uint32_t add(const std::string& name);
-  /** Name of an object, numbered from the second of a name: `tree`, `tree.2`. Stable for the same scene. */
+  /** Unique name of an object, numbered from the second of a name: `tree`, `tree.2`; numbers that the name of
+   * another object has are left out. Stable for the same scene; call when all objects are added. */
   std::string operator[](uint32_t object) const;
   /** The name without a number. */
   const std::string& common(uint32_t object) const { return names[objects[object].name]; }
@@ -62,7 +64,8 @@ class ObjectNames {
   };
   std::map<std::string, uint32_t> known;
   std::vector<std::string> names;
-  std::vector<uint32_t> copies; ///< number of objects for each of names
+  std::vector<uint32_t> copies;                    ///< number of objects for each of names
+  std::map<std::string, std::set<uint32_t>> taken; ///< numbers behind a name and a point in other names
   std::vector<Object> objects;
 };
 

@@ -42,8 +42,8 @@ struct MethodsReport {
 };
 
 /** Splits the classes until every claim, an expression, contains all of a class or none of it. Disjointness
- * is preserved; parts of a class get the names NAME-a, NAME-b, ... Throws Error for an expression that does
- * not compile. */
+ * is preserved; parts of a class get the names NAME-a to NAME-z, NAME-aa, ... Throws Error for an expression
+ * that does not compile. */
 std::vector<PathClass> refineClasses(const std::vector<PathClass>& classes,
                                      const std::vector<std::string>& claims);
 

@@ -47,7 +47,7 @@ struct LightDescription {
 
 /** Object definition, from ObjectBegin to ObjectEnd. */
 struct ObjectDescription {
-  std::string name;
+  std::string name; ///< as the scene file gives it
   SourceLocation location;
   std::vector<ShapeDescription> shapes;
 };
