@@ -1,0 +1,184 @@
+/** @file
+ * Search radii, learned in the first pass, and the weights of photon searches against camera rays.
+ */
+#include "integrators/photonmap/photonPass.h"
+
+#include <cfloat>
+
+#include "recurse/core/io/text.h"
+
+namespace recurse {
+
+void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
+                            ForwardStatistics& statistics) {
+  const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
+  const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
+  // Arrival densities are unknown for photons that media scatter, but known for caustics.
+  const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
+  constexpr float FIREFLY = 1e6f; // relative value that about one sample of an image exceeds
+  const RayAlternative toCaustics{counted, sampled, FIREFLY};
+  const GatherSettings requested{
+      settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
+  const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
+  // Records at visible points cover dark regions, which have few photons.
+  const double across = std::sqrt(double(scene.film().whole().area())) / 4;
+  const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
+                                    settings.weighting, statistics.counts);
+  constexpr size_t MIN_CAUSTIC = 16; // minimum number of caustic photons; fewer are strong spots
+  const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
+  const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
+  tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
+  inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
+  const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, e.g. for class LDE
+  if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
+    statistics.warnings.push_back(
+        formatted("only %zu of %llu photons (%.3g %%) were stored on surfaces: paths sample indirect light "
+                  "instead, and caustics of small lights are noisy. Emit more photons (--photons), and check "
+                  "that the lights are inside of the scene and do not point away",
+                  stored, static_cast<unsigned long long>(emitted), 100 * double(stored) / double(emitted)));
+  for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
+    ForwardStatistics discarded;
+    const bool isCaustic = layer == &causticLayer;
+    // With photons of direct light the layer also contains shadows.
+    const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
+    layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
+                                 detail, isCaustic ? discarded : statistics);
+    if (!progressive && !settings.edges) continue;
+    auto radii = std::make_shared<RadiusCache>();
+    radii->build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0, detail,
+                 isCaustic ? toCaustics : toIndirect, statistics.counts,
+                 settings.without != Mechanism::JUDGED_RADII);
+    layer->radii = std::move(radii);
+  }
+  causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
+  causticChances.clear();
+  if (judged) learnChances();
+  causticRays = judged ? causticVarianceAt(manySeen) : 0;
+}
+
+void PhotonPass::learnChances() {
+  constexpr double PART = 0.1;  // of caustics and direct light: brighter caustics are always estimated
+  constexpr float LEAST = 0.1f; // records with few photons may not know of a caustic near by
+  const RadiusCache& cache = causticLayer.cache();
+  causticChances.assign(cache.size(), LEAST);
+  for (size_t i = 0; i < cache.size(); ++i) {
+    const RadiusCache::Record& record = cache.record(i);
+    const double all = std::max(double(record.worth.irradiance), double(record.irradiance));
+    if (all > 0)
+      causticChances[i] =
+          static_cast<float>(std::clamp(double(record.irradiance) / (PART * all), double(LEAST), 1.0));
+  }
+}
+
+double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
+  double sum = 0;
+  for (const VisiblePoint& visible : seen) {
+    const auto at = [&](const PhotonLayer& layer) {
+      const CachedRadius near = layer.cache().at(visible.point.position, visible.point.geometricNormal);
+      return near.known ? &layer.cache().record(near.index) : nullptr;
+    };
+    const RadiusCache::Record *caustic = at(causticLayer), *other = at(indirectLayer);
+    if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
+    const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
+    sum += double(caustic->worth.raysVariance) / square(all);
+  }
+  return seen.empty() ? 0 : sum / double(seen.size());
+}
+
+namespace {
+
+/** Processor time of a search, relative to a camera path with a few surfaces. */
+float searchCost(const PhotonQuery& query, LobeSet lobes) {
+  constexpr float PHOTONS = 0.1f;    ///< summation of photons, eight at a time
+  constexpr float SCATTERING = 0.6f; ///< evaluation of each photon by a BSDF that is not Lambertian
+  constexpr float AROUND = 0.8f;     ///< rays that search for the edges of the surface
+  const CachedRadius& cached = query.cached;
+  const bool isFlat = cached.known && query.settings.radius <= cached.known->flat - cached.away;
+  return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
+}
+
+} // namespace
+
+PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
+                              LobeSet lobes) const {
+  PhotonQuery here{layer.choice.settings, {}};
+  if (progressive || settings.edges) here.cached = layer.cache().at(point.position, point.normalTowards(wi));
+  if (progressive) here.settings = searchWithin(layer, here.cached.radius);
+  here.cost = searchCost(here, lobes);
+  if (&layer == &causticLayer && !settings.directLight) {
+    here.settings.weighedAgainstRays = true;
+    here.settings.merging =
+        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
+    constexpr float ALL_TO_PHOTONS = 1e15f;
+    if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
+    if (!causticChances.empty()) here.settings.chance = causticChances[here.cached.index];
+  } else {
+    here.settings.weighting = settings.weighting;
+  }
+  return here;
+}
+
+void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
+  // All pixels of a kernel support share the error of the map, so it averages out less than independent
+  // errors of pixels: a strong one is visible as a stain, and counts as a larger variance.
+  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass; after about 50, 5 % of error
+  /** Squared relative error of a covered fraction that eight rays estimate, which no pass reduces; scaled to
+   * the variance of one of 32 passes. */
+  constexpr double UNSURE_FRACTION = 0.01 * 32;
+  GatherSettings& gather = query.settings;
+  gather.weighedAgainstRays = true;
+  gather.merging = gather.unknownWeight = 0;
+  if (tooFew || indirectLayer.cache().size() == 0) return;
+  // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
+  const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
+  const auto variance = double(record.variance), squared = square(double(record.irradiance));
+  if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
+  const double pixels =
+      std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
+  const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
+  GatherErrors& errors = gather.errors;
+  errors.variance = stain * variance;
+  errors.bias2 = double(record.bias2);
+  if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
+  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
+                                      (errors.variance + errors.bias2));
+  // Relative variance of rays where the cache has none, as in scenes with media: most indirect light of a
+  // room comes from about a tenth of the directions.
+  constexpr double FEW_DIRECTIONS = 10;
+  errors.byRays =
+      std::isfinite(record.worth.instead) ? double(record.worth.raysVariance) : FEW_DIRECTIONS * squared;
+  gather.unknownWeight = errors.photonWeight(1);
+  if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
+}
+
+float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,
+                            const Vec3f& direction) const {
+  merge.arrive(direction, hit.point);
+  const LeRay ray{hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time};
+  return merge.cameraWeight(pdfLe(hit.lightIndex, *hit.areaLight, ray), probability(scene, hit.lightIndex));
+}
+
+float PhotonPass::rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
+                            const Ray& ray) const {
+  const uint32_t index = scene.environmentIndices()[environment];
+  const LePdf pdf =
+      pdfLe(index, *scene.environment()[environment], {ray.origin, -ray.direction, Vec3f(0), 0});
+  return merge.cameraWeight(pdf, probability(scene, index));
+}
+
+float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                           float chosen) const {
+  return arrivalDensity(scene.lights()[light].kind(), pdf, distance, cosine, probability(scene, light),
+                        chosen);
+}
+
+GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {
+  GatherSettings now = layer.choice.settings;
+  if (!progressive) return now;
+  now.nearest = 0;
+  if (layer.choice.settings.nearest > 0) now.radius = firstRadius;
+  now.radius *= radiusOverFirst;
+  return now;
+}
+
+} // namespace recurse
