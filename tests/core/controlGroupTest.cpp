@@ -49,7 +49,7 @@ TEST_F(ControlGroup, LeaveTheirLimitWithoutWhatIsInUse) {
   write("mount/memory.current", "5000");
   EXPECT_EQ(left(), 4000);
   write("mount/memory.stat", "anon 2000\nfile 3000\ninactive_file 1500\nactive_file 1500");
-  EXPECT_EQ(left(), 5500);
+  EXPECT_EQ(left(), 7000);
   write("mount/memory.current", "12000");
   EXPECT_EQ(left(), 0);
 }
@@ -73,6 +73,6 @@ TEST_F(ControlGroup, OfVersion1AreInAFolderOfTheirOwn) {
   write("mount/memory/memory.limit_in_bytes", "9223372036854771712");
   write("mount/memory/job/memory.limit_in_bytes", "7000");
   write("mount/memory/job/memory.usage_in_bytes", "4000");
-  write("mount/memory/job/memory.stat", "inactive_file 10\ntotal_inactive_file 500");
-  EXPECT_EQ(left(), 3500);
+  write("mount/memory/job/memory.stat", "inactive_file 10\ntotal_inactive_file 500\ntotal_active_file 100");
+  EXPECT_EQ(left(), 3600);
 }

@@ -132,6 +132,16 @@ TEST(ImageMap, AlphaIsLinear) {
   }
 }
 
+TEST(ImageMap, AlphaOfAGifIsItsOwn) {
+  using namespace std::string_literals;
+  const Folder folder;
+  const std::string file = folder.file("opaque.gif"); // one pixel of (200, 0, 0)
+  std::ofstream(file, std::ios::binary)
+      << "GIF89a\1\0\1\0\200\0\0\310\0\0\377\377\377,\0\0\0\0\1\0\1\0\0\2\2D\1\0;"s;
+  const auto t = makeTexture("imagemap", map(file, "\"string channel\" \"alpha\""), false);
+  EXPECT_EQ(at(*t, .5, .5).r, 1);
+}
+
 TEST(ImageMap, FilteringIsDoneInLinearLight) {
   const Folder folder;
   const std::string file =

@@ -300,6 +300,7 @@ Image readImage(const FileReference& file) try {
     throw Error(fileName + ": cannot be read: " + detail::readFailure(input.input->geterror()));
 
   const bool grey = order[0] == order[1];
+  const int alpha = detail::alphaChannel(spec);
   std::vector<std::string> names;
   for (int i : order) names.push_back(spec.channelnames[size_t(i)]);
   if (grey) std::copy_n(std::array{"R", "G", "B"}.begin(), 3, names.begin());
@@ -310,8 +311,7 @@ Image readImage(const FileReference& file) try {
   for (size_t i = 0; i < count; ++i)
     for (size_t c = 0; c < order.size(); ++c) {
       const float value = pixels[i * stored + size_t(order[c])];
-      image.pixels[i * order.size() + c] =
-          coded && order[c] != spec.alpha_channel ? linearFromSrgb(value) : value;
+      image.pixels[i * order.size() + c] = coded && order[c] != alpha ? linearFromSrgb(value) : value;
     }
   for (const OIIO::ParamValue& attribute : spec.extra_attribs)
     image.metadata[attribute.name().string()] = attribute.get_string();

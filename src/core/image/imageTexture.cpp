@@ -52,8 +52,9 @@ struct Pixels {
 std::vector<int> channelsOf(const std::string& fileName, const OIIO::ImageSpec& spec,
                             ImageChannels channels) {
   if (channels == ImageChannels::ALPHA) {
-    if (spec.alpha_channel < 0) throw Error(fileName + ": has no alpha channel");
-    return std::vector<int>(3, spec.alpha_channel);
+    const int alpha = detail::alphaChannel(spec);
+    if (alpha < 0) throw Error(fileName + ": has no alpha channel");
+    return std::vector<int>(3, alpha);
   }
   const std::vector<int> order = channelOrder(fileName, spec.channelnames);
   if (channels == ImageChannels::COLOURS) return order;

@@ -80,8 +80,9 @@ std::string abbreviated(const std::string& text, size_t most) {
   if (text.size() <= most) return text;
   const auto cutsCharacter = [&](size_t i) { return (text[i] & 0xc0) == 0x80; };
   size_t head = most / 2, tail = text.size() - most / 2;
-  while (head > 0 && cutsCharacter(head)) --head;
-  while (tail < text.size() && cutsCharacter(tail)) ++tail;
+  constexpr int MORE_BYTES = 3; // of a character in UTF-8; longer runs are no characters
+  for (int i = 0; i < MORE_BYTES && head > 0 && cutsCharacter(head); ++i) --head;
+  for (int i = 0; i < MORE_BYTES && tail < text.size() && cutsCharacter(tail); ++i) ++tail;
   return text.substr(0, head) + "[...]" + text.substr(tail);
 }
 

@@ -15,12 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Names of files and of a line in `memory.stat`. */
+/** Names of files and of two lines in `memory.stat`. */
 struct GroupFiles {
-  const char *limit, *used, *cached;
+  const char *limit, *used, *inactive, *active;
 };
-constexpr GroupFiles VERSION_2 = {"memory.max", "memory.current", "inactive_file"};
-constexpr GroupFiles VERSION_1 = {"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"};
+constexpr GroupFiles VERSION_2 = {"memory.max", "memory.current", "inactive_file", "active_file"};
+constexpr GroupFiles VERSION_1 = {"memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file",
+                                  "total_active_file"};
 
 /** Number in a file; none where there is no file, or a word such as "max". */
 std::optional<double> numberIn(const fs::path& file) {
@@ -35,7 +36,7 @@ double leftIn(const fs::path& group, const GroupFiles& files) {
   double cached = 0, number = 0;
   std::ifstream statistics(group / "memory.stat");
   for (std::string name; statistics >> name >> number;)
-    if (name == files.cached) cached = number;
+    if (name == files.inactive || name == files.active) cached += number;
   const double used = numberIn(group / files.used).value_or(0);
   return std::max(0.0, *limit - std::max(0.0, used - cached));
 }

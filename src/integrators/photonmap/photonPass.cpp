@@ -53,9 +53,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
-  if (scene.hasMedia()) {
-    if (pass.index == 0) learnOutsideMedium(scene, statistics);
-  }
+  if (pass.index == 0) learnOutsideMedium(scene, statistics);
   shoot.emission = emission();
   if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) {
@@ -152,9 +150,11 @@ ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const 
 }
 
 void PhotonPass::learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics) {
+  outside = 0;
+  outsideTransmittance = Rgb(1);
+  if (!scene.hasMedia()) return;
   outside = mediumOutside(scene, statistics.counts);
   const Medium* around = scene.medium(outside);
-  outsideTransmittance = Rgb(1);
   if (around && around->isHomogeneous())
     outsideTransmittance = flight::transmittance(around->at(Vec3f(0)).extinction(), INFINITE);
   bool isLitFromFar = false;

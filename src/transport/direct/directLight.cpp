@@ -13,7 +13,7 @@ namespace {
 float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralPath* inMedia) {
   if (!inMedia) return 1 - powerHeuristic(lightSamples, lightPdf, pdf);
   const Rgb sum = inMedia->pathPdf + inMedia->lightPdf * (static_cast<float>(lightSamples) * lightPdf / pdf);
-  return 3 / (sum.r + sum.g + sum.b);
+  return 3 / channelSum(sum);
 }
 
 /** Traces a shadow ray from a vertex to the light, through media, thin panes and surfaces that are hidden or
@@ -108,7 +108,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
   density *= vertex.path.pathPdf;
   out.add(classes.lightStart(index), state,
           vertex.path.throughput * f * light.radiance * through.value *
-              (3 / (density.r + density.g + density.b)),
+              (3 / channelSum(density)),
           vertex.scattering
               ? lengthToLight(scene, vertex.optical, *vertex.scattering, vertex.wi, vertex.hit.point, light)
               : vertex.optical.at(distanceToLight(scene, vertex.hit.point.position, light)));

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "recurse/core/sampling/sampling.h"
 #include "transport/paths/walk.h"
 
 namespace recurse {

@@ -68,7 +68,8 @@ class EmissionSampler {
   float mediaPart; ///< fraction of the paths that emissive media start
 };
 
-/** Samples the start of one light path by the lights' own sampling, or by a guide. */
+/** Samples the start of one light path by the lights' own sampling, or by a guide; empty where nothing is
+ * emitted. Emissive media start no paths here. */
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
                                             Sampler& sampler, TransportCounts& counts,
                                             const EmissionGuide* guide = nullptr);

@@ -4,7 +4,6 @@
 #include "transport/emission/pathEnds.h"
 
 #include "transport/direct/directLight.h"
-#include "transport/paths/walk.h"
 
 namespace recurse {
 

@@ -11,13 +11,13 @@
 
 namespace recurse {
 
-/** x_k: the end of a path at a light. */
+/** x_k: the end of a path at a light, or at a point of an emissive medium, for which only `ray` is known. */
 struct LightEnd {
-  const Light* light = nullptr;
-  uint32_t index = 0; ///< index in the table of lights
-  LeRay ray;          ///< emitted ray
-  double pdf = 0;     ///< B_k; a delta counts as 1
-  double pdfNext = 0; ///< B_k-1 [1/area]
+  const Light* light = nullptr; ///< null: a medium; the functions below need a light
+  uint32_t index = 0;           ///< index in the table of lights
+  LeRay ray;                    ///< emitted ray
+  double pdf = 0;               ///< B_k; a delta counts as 1
+  double pdfNext = 0;           ///< B_k-1 [1/area]
 
   bool isInfinite() const;
   /** Whether rays can hit the light. */

@@ -24,7 +24,7 @@ struct SpectralPath {
 
   /** Scales all three so that the mean of `pathPdf` is 1. Their ratios do not change. */
   void normalize() {
-    const float mean = (pathPdf.r + pathPdf.g + pathPdf.b) * (1.0f / 3);
+    const float mean = channelSum(pathPdf) * (1.0f / 3);
     if (!(mean > 0)) return;
     throughput /= mean;
     lightPdf /= mean;
@@ -153,8 +153,7 @@ template <class Emission>
 Collision sampleHomogeneousCollision(const MediumPoint& medium, float end, int hero, Absorption absorption,
                                      Sampler& sampler, SpectralPath& path, Emission&& emission) {
   if (!isBlack(medium.emission))
-    emission(path.throughput * emittedAlong(medium, end) *
-             (3 / (path.pathPdf.r + path.pathPdf.g + path.pathPdf.b)));
+    emission(path.throughput * emittedAlong(medium, end) * (3 / channelSum(path.pathPdf)));
   const FlightDensity density(medium, end, absorption);
   const std::optional<float> t = density.sample(hero, sampler);
   const Rgb pdf = t ? density.pdf(*t) : density.arrivalProbability();
@@ -196,7 +195,7 @@ Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int h
       const MediumPoint point = medium.at(ray.at(t));
       if (!isBlack(point.emission)) {
         const Rgb density = path.pathPdf * s.majorant / majorant;
-        emission(path.throughput * point.emission * (3 / (majorant * (density.r + density.g + density.b))));
+        emission(path.throughput * point.emission * (3 / (majorant * channelSum(density))));
       }
       const NullCollision null(point, s.majorant, absorption);
       if (sampler.next1D() < null.stop[hero] || !(null.pass[hero] > 0)) {

@@ -97,8 +97,8 @@ template <class State> class Walker {
   }
 
   /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
-   * nullopt if the path ends. A light path survives by the ratio of its flux to `keptPart` times the flux on
-   * arrival. */
+   * nullopt if the path ends. At a surface a light path survives by the ratio of its flux to `keptPart`
+   * times the flux on arrival. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler,
                                  float keptPart = 1) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
@@ -145,7 +145,7 @@ template <class State> class Walker {
     const Medium* medium = scene.medium(number);
     if (!medium) return false;
     flight(number, end);
-    const Rgb before = path.throughput;
+    const float before = channelSum(path.throughput);
     SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
     const Collision c =
         sampleCollision(*medium, path.ray, end, path.hero, ABSORPTION, sampler, spectral, emission);
@@ -154,12 +154,10 @@ template <class State> class Walker {
     path.lightPdf = spectral.lightPdf;
     if (!c.scatters || isBlack(path.throughput)) return false;
     // Light paths survive by the mean of the channels, which keeps fluxes nearly equal: it is constant where
-    // single channels fluctuate with their densities.
-    if (IS_LIGHT && !russianRoulette(std::min(1.0f, channelSum(path.throughput) / channelSum(before)),
-                                     path.depth, sampler, path.throughput)) {
-      path.throughput = BLACK;
-      return false;
-    }
+    // single channels fluctuate with their densities. Of camera paths the throughput counts, which already
+    // includes all earlier absorption.
+    vertex.survival =
+        IS_LIGHT ? channelSum(path.throughput) / before : maxComponent(path.throughput) * path.etaScale;
     vertex.medium = medium;
     vertex.hit = Hit();
     vertex.hit.point = pointInMedium(path.ray, c.t);
@@ -186,10 +184,8 @@ template <class State> class Walker {
     s.weight = Rgb(1);
     s.lobe = REFLECTION;
     if (!(s.pdf > 0)) return {};
-    // Survival in proportion to the throughput, which already includes all earlier absorption.
-    const float chance = maxComponent(path.throughput) * path.etaScale;
-    if (!IS_LIGHT && path.depth > ROULETTE_FREE_DEPTH &&
-        !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
+    if ((IS_LIGHT || path.depth > ROULETTE_FREE_DEPTH) &&
+        !russianRoulette(std::min(1.0f, vertex.survival), path.depth, sampler, path.throughput))
       return {};
     path.state = vertex.afterD;
     path.delta = false;

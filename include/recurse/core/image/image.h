@@ -53,8 +53,8 @@ float srgbFromLinear(float linear);
 
 /** Reads any format that OpenImageIO supports, and PCX. Channels are in channelOrder(), a grey one as R, G
  * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours are not multiplied
- * by alpha: those of PNG are independent of it, those of EXR contain it already. Throws Error naming the file
- * and the reason. */
+ * by alpha, except those of WebP: those of PNG are independent of it, those of EXR contain it already. Throws
+ * Error naming the file and the reason. */
 Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {

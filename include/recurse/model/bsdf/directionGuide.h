@@ -27,7 +27,8 @@ struct LearnedDirections {
   const DirectionGuide* guide = nullptr; ///< learned density; null: too few records
   bool isSampled = false;                ///< camera paths sample it
   uint64_t records = 0;                  ///< number from which the density was learned
-  /** Mean of log (density of the mixture / density of BSDF sampling) over the records, cross-validated. */
+  /** Mean of log (density of the mixture / density of BSDF sampling) over the records, cross-validated. With
+   * few records it is drawn towards the mean of the whole scene. */
   double gain = 0;
 };
 
