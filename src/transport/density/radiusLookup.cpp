@@ -60,6 +60,14 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   };
   if (!best.known)
     for (const uint32_t slot : neighbours[nearest]) consider(slot);
+  if (!best.known) { // all may be on the next layer
+    constexpr int MAX_COUNT = 32;
+    index.nearest(regionInIndex(position, normal), MAX_COUNT, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
+        consider(block.first + static_cast<size_t>(std::countr_zero(slots)));
+    });
+  }
   if (best.known) {
     // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
