@@ -556,7 +556,8 @@ TEST(GlowPhotons, FindWhatPathFindsClassByClass) {
        {"floor", "LDE"},
        {"single", "LVE"},
        {"multiple", "L(D|V)+VE"},
-       {"onFloor", "LV+DE"}});
+       {"onFloor", "LV+DE"}},
+      256);
 }
 
 TEST(GlowPhotons, IsothermalEnclosure) {

@@ -73,7 +73,10 @@ class PlaceFinder {
         GatherRegion region;
         region.center = photon.position;
         region.bothSides = true;
-        found = surfaceOf(scene, photon, kthDistance(region, scratch), taskCounts);
+        // Of coinciding photons a surface beside them, by rounding errors, would have a radius of that size.
+        const float near = kthDistance(region, scratch);
+        if (near == 0) return;
+        found = surfaceOf(scene, photon, near, taskCounts);
         // Transmitting surfaces are seen from both sides, whichever side the light is on.
         if (found && found->transmits && i % 2 == 1) found->point.geometricNormal *= -1.0f;
       } else {
