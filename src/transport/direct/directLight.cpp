@@ -107,8 +107,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                       recorded::weightOf(through.lightPdf * pdf, density));
   density *= vertex.path.pathPdf;
   out.add(classes.lightStart(index), state,
-          vertex.path.throughput * f * light.radiance * through.value *
-              (3 / channelSum(density)),
+          vertex.path.throughput * f * light.radiance * through.value * (3 / channelSum(density)),
           vertex.scattering
               ? lengthToLight(scene, vertex.optical, *vertex.scattering, vertex.wi, vertex.hit.point, light)
               : vertex.optical.at(distanceToLight(scene, vertex.hit.point.position, light)));
