@@ -28,6 +28,10 @@ struct SeenFeatures {
 /** Longest chain of mirrors and glass that a sample is followed through [vertices]. */
 constexpr int MAX_SPECULAR = 16;
 
+bool contains(const std::vector<std::string>& names, const char* name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 /** Albedo for light from `wi`, estimated from one sample of the BSDF. */
 Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
   // Flux has no factor 1/η² at refraction, unlike radiance.
@@ -37,8 +41,9 @@ Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
 
 class FeatureWalk {
  public:
-  FeatureWalk(const Scene& scene, const Integrator& integrator, bool throughSpecular)
-      : scene(scene), integrator(integrator), throughSpecular(throughSpecular),
+  FeatureWalk(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings)
+      : scene(scene), integrator(integrator), throughSpecular(settings.throughSpecular),
+        needsGuide(contains(settings.layers, featureLayers()[GUIDE].name)),
         walker(scene, classes, counts, -1, false) {}
 
   SeenFeatures see(const CameraRay& ray, Sampler& sampler) {
@@ -58,9 +63,8 @@ class FeatureWalk {
         out.values[DEPTH] = Vec3f(static_cast<float>(depth));
         out.values[POSITION] = Vec3f(Vec3d(point.position) + scene.origin());
       }
-      if (!isSpecular) out.values[GUIDE] = Vec3f(isGuided(vertex));
-      const bool needsNonDelta = integrator.learnsDirections() || !out.surface;
-      if (!(isFollowed && needsNonDelta) || !walker.scatter(path, vertex, sampler)) return out;
+      if (needsGuide && !isSpecular) out.values[GUIDE] = Vec3f(isGuided(vertex));
+      if (!(isFollowed && (needsGuide || !out.surface)) || !walker.scatter(path, vertex, sampler)) return out;
     }
     return out;
   }
@@ -74,7 +78,7 @@ class FeatureWalk {
 
   const Scene& scene;
   const Integrator& integrator;
-  const bool throughSpecular;
+  const bool throughSpecular, needsGuide;
   PathClasses classes;
   TransportCounts counts;
   CameraWalker walker;
@@ -116,8 +120,7 @@ void requireFeatureLayers(const std::vector<std::string>& names) {
 
 void requireFeatureLayers(const std::vector<std::string>& names, const Integrator& integrator) {
   for (const FeatureLayer& layer : featureLayers())
-    if (!layer.isOfScene && !integrator.learnsDirections() &&
-        std::find(names.begin(), names.end(), layer.name) != names.end())
+    if (!layer.isOfScene && !integrator.learnsDirections() && contains(names, layer.name))
       throw Error(std::string("--layers: '") + layer.name +
                       "' is of path guiding; add --integrator path --set guided=true",
                   ExitStatus::BAD_USAGE);
@@ -126,10 +129,8 @@ void requireFeatureLayers(const std::vector<std::string>& names, const Integrato
 Image renderFeatures(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings) {
   requireFeatureLayers(settings.layers);
   requireFeatureLayers(settings.layers, integrator);
-  const auto requested = [&](const char* name) {
-    return std::find(settings.layers.begin(), settings.layers.end(), name) != settings.layers.end();
-  };
-  const Image mattes = renderCryptomattes(scene, {requested("cryptoobject"), requested("cryptomaterial"),
+  const Image mattes = renderCryptomattes(scene, {contains(settings.layers, "cryptoobject"),
+                                                  contains(settings.layers, "cryptomaterial"),
                                                   settings.throughSpecular, settings.seed});
   struct Channel {
     int feature, component;
@@ -148,7 +149,7 @@ Image renderFeatures(const Scene& scene, const Integrator& integrator, const Fea
   const PixelBounds& crop = scene.film().crop;
   Image out(crop.width(), crop.height(), names);
   parallelFor(size_t(out.height), [&](size_t row) {
-    FeatureWalk walk(scene, integrator, settings.throughSpecular);
+    FeatureWalk walk(scene, integrator, settings);
     for (int x = 0; x < out.width; ++x) {
       const Vec2f corner(float(x + crop.x0), float(int(row) + crop.y0));
       const uint64_t stream = uint64_t(uint32_t(int(row) + crop.y0)) << 32 | uint32_t(x + crop.x0);
