@@ -37,8 +37,8 @@ struct Image {
   }
 };
 
-/** `picture`, followed by the channels of `more`, an image of the same size. Metadata are those of both;
- * where names are equal, those of `picture`. */
+/** `picture`, followed by the channels of `more`, an image of the same size. Metadata of both are kept;
+ * where names are equal, `picture` prevails. */
 Image withChannels(const Image& picture, const Image& more);
 
 /** Indices of the three colour channels, then of all other channels. Colour channels are R, G and B, in
@@ -52,9 +52,9 @@ float linearFromSrgb(float encoded);
 float srgbFromLinear(float linear);
 
 /** Reads any format that OpenImageIO supports, and PCX. Channels are in channelOrder(), a grey one as R, G
- * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours are not multiplied
- * by alpha, except those of WebP: those of PNG are independent of it, those of EXR contain it already. Throws
- * Error naming the file and the reason. */
+ * and B. Integers are decoded from sRGB, except alpha and files declared linear. Colours are as the
+ * file stores them: PNG stores them without alpha, EXR multiplied by it; the reader of WebP multiplies them.
+ * Throws Error naming the file and the reason. */
 Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {

@@ -34,7 +34,7 @@ struct ImageTextureSettings {
   enum class Wrap {
     REPEAT,
     BLACK,
-    CLAMP,      ///< that of the nearest pixel
+    CLAMP,      ///< value of the nearest pixel
     OCTAHEDRAL, ///< continued across the edges of an octahedral map of the sphere; see equalAreaSquare.h
   };
   Filter filter = Filter::BILINEAR;

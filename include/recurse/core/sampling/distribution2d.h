@@ -27,7 +27,7 @@ class Distribution2d {
   bool empty() const { return !(total > 0); }
   /** Samples by inversion: nearby u in [0, 1)² give nearby points. */
   Sample sample(const Vec2d& u) const;
-  /** Density of sample() at a point; outside of the square, that of the nearest point of it. */
+  /** Density of sample() at a point. Outside of the square it is the density at the nearest point inside. */
   double pdf(const Vec2d& at) const;
 
  private:

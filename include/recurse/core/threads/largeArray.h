@@ -47,7 +47,7 @@ void* allocateLarge(size_t& bytes);
 template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {
   static_assert(std::is_trivially_copyable_v<T>);
   if (n <= capacity) return;
-  // Half of the addresses: with what is added and rounded up, the number of bytes does not overflow.
+  // With at most half of all addresses, the number of bytes does not overflow when it is rounded up.
   if (n > std::numeric_limits<size_t>::max() / 2 / sizeof(T)) throw std::bad_alloc();
   // Second and later requests get 1/16 more: they are likely to be followed by a slightly larger one.
   size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);

@@ -51,7 +51,7 @@ class SplatPlane {
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
   /** Number of additions, to one colour of one layer of a pixel or to its moments, that were clamped or
-   * overflowed: their light is lost in part. Those of addSums() are not counted. */
+   * overflowed, so that their light is lost in part. Additions by addSums() are not counted. */
   uint64_t saturated() const { return figures.saturated; }
   /** Number of the first pass whose light paths are not included; needed to resume a render. */
   uint64_t nextPass() const { return figures.nextPass; }

@@ -30,7 +30,7 @@ class KeptParts;
 struct Hit {
   SurfacePoint point;
   float t = 0;                          ///< distance along the ray [scene units]
-  uint32_t primitive = 0;               ///< of the shape
+  uint32_t primitive = 0;               ///< index within the shape
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
