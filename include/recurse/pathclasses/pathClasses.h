@@ -62,14 +62,13 @@ class PathClasses {
   /** Throws Error where the expressions do not compile, whatever names a scene has. */
   static void check(const std::vector<PathClass>& classes);
 
-  /** Adds a film layer for each layer of the frames, after the layers of the classes: the light of the first
-   * class by the lengths of its paths. Called once at most. */
+  /** Adds a film layer for each layer of the frames, after the layer of the class, which must be the only
+   * one: its light by the lengths of its paths. Called once at most. */
   void addFrames(const TransientFrames& frames);
   /** Frames of a transient render; empty: lengths of paths are not used. */
   const TransientFrames& frames() const { return transient; }
   bool isTransient() const { return !transient.empty(); }
-  /** Film layer of light of the first class by the optical length of its path [scene units]; only for a
-   * transient render. */
+  /** Film layer of light by the optical length of its path [scene units]; only for a transient render. */
   size_t layerOfLength(float length) const { return firstFrameLayer + transient.layerOf(length); }
 
   /** The film's layers: the classes, and those of addFrames(). */

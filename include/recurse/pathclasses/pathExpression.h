@@ -42,6 +42,7 @@ class PathAutomaton {
   /** Whether the word, such as "LSDE" or "L'lamp'DE", is in the set; false for an invalid word. */
   bool accepts(std::string_view word) const;
 
+  // Set operations throw Error (BAD_USAGE) for a result with too many states.
   PathAutomaton unite(const PathAutomaton& other) const;
   PathAutomaton intersect(const PathAutomaton& other) const;
   PathAutomaton difference(const PathAutomaton& other) const;

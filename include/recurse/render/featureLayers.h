@@ -14,11 +14,11 @@
 
 namespace recurse {
 
-/** Feature layer. Each value is the mean over the samples of the pixel that hit a surface, 0 where none does;
- * the albedo includes the samples that hit none, as 0. */
+/** Feature layer. Each value, except in mattes, is the mean over the samples of the pixel that hit a surface,
+ * 0 where none does; the albedo includes the samples that hit none, as 0. */
 struct FeatureLayer {
   const char* name;
-  const char* channels;  ///< letters: "RGB", "XYZ", "Z"; empty for mattes
+  const char* channels;  ///< a letter for each, such as "RGB" or "Z"; empty for mattes
   const char* meaning;   ///< one line
   bool isOfScene = true; ///< false: of the integrator
 };

@@ -35,9 +35,10 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
                               LightPathRecorder* lightPaths = nullptr);
 
 /**
- * Calls use(x, y, record) with the samples of each pixel of the crop window, pass by pass: the samples of
- * render() with the same settings, of which samplesPerPixel must be positive, rendered into the film. Calls
- * for different rows run at the same time; a record exists only during its call. `stop` ends the visit early.
+ * Calls use(x, y, record) with the samples of each pixel of the crop window, at (x, y) on the whole film,
+ * pass by pass: the samples of render() with the same settings, of which samplesPerPixel must be positive,
+ * rendered into the film. Calls for different rows run at the same time; a record exists only during its
+ * call. `stop` ends the visit early.
  */
 void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                   const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,

@@ -14,7 +14,8 @@
 
 namespace recurse {
 
-/** Copies the film's counts of samples and saturated splats to the statistics; warns of unsampled pixels. */
+/** Copies the film's counts of samples and saturated splats to the statistics, and adds a warning of
+ * pixels without a sample. */
 void countSamples(const Film& film, RenderStatistics& statistics);
 
 /**
@@ -29,7 +30,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
                         const std::function<void(const RenderProgress&)>& progress,
                         const std::function<void(const std::string&)>& log);
 
-/** Runs only the first pass: `notes` of the statistics describe the choices of the integrator. */
+/** Runs only the first forward pass: `notes` of the statistics describe the choices of the integrator. */
 RenderStatistics shootFirstPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                                 const RenderSettings& settings);
 

@@ -89,9 +89,11 @@ class RenderPause {
 
 /** Limits, samples and callbacks of a render. */
 struct RenderSettings {
-  int samplesPerPixel = 16;   ///< the integrator may need more; 0: until the time limit or the error target
-  double timeLimit = 0;       ///< for the whole render [s]; 0: none
-  double firstSampleTime = 1; ///< time after the limit that the first sample of each pixel may take [s]
+  int samplesPerPixel = 16; ///< the integrator may need more; 0: until the time limit or the error target
+  double timeLimit = 0;     ///< for the whole render [s]; 0: none
+  /** Time after the limit, or after a first forward pass beyond it, that the first sample of each pixel may
+   * take [s]. */
+  double firstSampleTime = 1;
   /** Whether the time limit ends the first forward pass, which leaves a film without samples; else that pass
    * may exceed it. */
   bool limitsFirstPass = false;
@@ -101,8 +103,8 @@ struct RenderSettings {
    * to be merged; endSample 0: up to the last one. */
   int64_t firstSample = 0, endSample = 0;
   RenderPosition from = {}; ///< resume point of the film
-  /** Adaptive samples; samplesPerPixel is then the average, and all samples are rendered. It belongs to the
-   * film: new, or from the same resume point. Null: the same number for each pixel. */
+  /** Adaptive samples; samplesPerPixel is then the average, and the range above must contain all samples. It
+   * belongs to the film: new, or from the same resume point. Null: the same number for each pixel. */
   SampleAllocation* allocation = nullptr;
   /** Called with a film at a resume point: when `saveInterval` seconds have passed since the last call, and
    * at the end, for whatever reason the render ends. */

@@ -17,7 +17,7 @@
 namespace recurse {
 
 /** Allocation of adaptive samples in stages. Pilot samples, equally many for each pixel, estimate the
- * variance by which the next stage is allocated. */
+ * variance by which the next stage is allocated. Pixels have the indices of the Film with the same bounds. */
 class SampleAllocation {
   struct Stage {
     int64_t first = 0, end = 0; ///< samples of the average pixel

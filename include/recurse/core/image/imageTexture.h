@@ -19,8 +19,8 @@ struct ImageEncoding {
   float gamma = 1; ///< for GAMMA: light = value^gamma
 };
 
-/** Channels of a file that a texture uses: its colours, or one channel alone. Colours are not multiplied by
- * alpha. */
+/** Channels of a file that a texture uses: its colours, or one channel alone. Colours are as the file stores
+ * them, with or without alpha as a factor: see readImage(). */
 enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {

@@ -28,8 +28,8 @@ class AnimatedTransform {
   const Mat4d& start() const { return first; }
   const Mat4d& end() const { return last; }
   Mat4d at(double time) const;
-  /** Number of equal time intervals, 1 to 126, within which interpolating matrices linearly is accurate to
-   * 1e-4 of the size of the transformed objects, if the stretch is constant. */
+  /** Number of equal time intervals, 1 to 126, within which linear interpolation of matrices displaces a
+   * point by at most 1e-4 of its distance from the image of the origin, if the stretch is constant. */
   int linearParts() const;
   /** The transform followed by a translation, rotation or uniform scaling m: m times this. */
   AnimatedTransform after(const Mat4d& m) const {
@@ -49,8 +49,8 @@ class AnimatedTransform {
   Parts parts[2];
 };
 
-/** Matrices at equally spaced times from 0 to 1, linearly interpolated in between, as Embree does. Times are
- * in [0, 1]. */
+/** Matrices at equally spaced times from 0 to 1, rounded to floats if there are several, and linearly
+ * interpolated in between, as Embree does. Times are in [0, 1]. */
 class MatrixTrack {
  public:
   /** A constant transform. */

@@ -1,6 +1,6 @@
 /** @file
  * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other code
- * depends on the processor, except the check when a program starts.
+ * uses intrinsics.
  */
 #pragma once
 
@@ -326,7 +326,8 @@ struct Vec3f8 {
   Float8 x, y, z;
 };
 
-/** Indices of the set lanes for each of the 256 masks, packed at the front; later entries are unspecified. */
+/** Indices of the set lanes for each of the 256 masks, ascending in `lanes`, descending in `lanesDown`; later
+ * entries are unspecified. */
 struct LaneLists {
   alignas(64) uint8_t lanes[256][8] = {};
   alignas(64) uint8_t lanesDown[256][8] = {};

@@ -35,8 +35,8 @@ int availableCores();
 int threadCount();
 
 /** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool, and returns when all are done.
- * Each i may write only to data of its own. Throws Interrupted, see checkInterrupted(), and passes exceptions
- * of `body` on. */
+ * Without a pool it uses all cores. Each i may write only to data of its own. Throws Interrupted, see
+ * checkInterrupted(), and passes exceptions of `body` on. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

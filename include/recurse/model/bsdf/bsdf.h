@@ -74,8 +74,8 @@ struct DeltaScatters {
  * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
  * Both directions are unit and point away from the surface: wi to the previous vertex of the walk, wo to the
  * next one. value(wi, wo) is for flux that arrives from wi and leaves towards wo; radiance swaps both.
- * It must be reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)²;
- * only a FIBRE need not be.
+ * It must be reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)²,
+ * with n(a) on the side of a; only a FIBRE need not be.
  */
 class Bsdf {
  public:
@@ -143,7 +143,8 @@ class Material {
   virtual ~Material() = default;
   /** BSDF at a point; null where the surface does not scatter and rays pass straight through. */
   virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
-  /** Union of the lobes at all points; determines the features that the scene needs. */
+  /** Union of the lobes at all points; determines the features that the scene needs. LAMBERTIAN and STRAIGHT
+   * are included only if they hold at all points with the lobe that they modify. NO_LOBE: no scattering. */
   virtual LobeSet lobes() const = 0;
   /** Maximum number of directions of smooth refraction at one point. */
   virtual int refractions() const { return lobes() & REFRACTION ? 1 : 0; }

@@ -24,7 +24,7 @@ class DirectionGuide {
 
 /** Directions of incident light that a render has learned for a point and its neighbourhood. */
 struct LearnedDirections {
-  const DirectionGuide* guide = nullptr; ///< learned density; null: too few records
+  const DirectionGuide* guide = nullptr; ///< density, valid until the next pass; null: too few records
   bool isSampled = false;                ///< camera paths sample it
   uint64_t records = 0;                  ///< number from which the density was learned
   /** Mean of log (density of the mixture / density of BSDF sampling) over the records, cross-validated. With

@@ -47,7 +47,8 @@ class ScatteringPoint {
     if (lobeSet & LAMBERTIAN) constant = bsdf.value({0, 0, 1}, {0, 0, 1});
   }
 
-  /** Mixes a guide into the sampling of radiance walks, not of photons, at opaque surfaces. Null: none. */
+  /** Mixes a guide, which must outlive it, into the sampling of radiance walks, not of photons. Null: none.
+   * No effect unless isGuidable(). */
   void follow(const DirectionGuide* newGuide) { guide = isGuidable() ? newGuide : nullptr; }
   /** Whether a guide can be used: guides cover the directions on one side of a surface only. */
   bool isGuidable() const { return hasNonDelta() && !(lobeSet & (TRANSMISSION | FIBRE)); }
@@ -68,8 +69,8 @@ class ScatteringPoint {
     return bsdf.value(frame.toLocal(wo), frame.toLocal(wi));
   }
 
-  /** Recurse's `evaluate`: non-delta BSDF times the cosine of `light`, for radiance that arrives from `light`
-   * and leaves towards `eye`. */
+  /** Non-delta BSDF times the cosine of `light`, for radiance that arrives from `light` and leaves towards
+   * `eye`. */
   Rgb evaluate(const Vec3f& eye, const Vec3f& light) const {
     return value(eye, light) * absDot(light, frame.z);
   }
@@ -187,7 +188,7 @@ class ScatteringPoint {
     return n;
   }
 
-  // Operations by the names that Recurse gives them.
+  // Steps by lobes of one kind. Empty: absorbed, or no such lobe.
 
   /** Step of a photon by the non-delta lobes: flux towards a sampled direction. */
   std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {

@@ -1,8 +1,9 @@
 /** @file
  * The film: for each pixel and layer the sum of its samples, bit-identical for any order of them, the
- * statistics of the error estimate, and the splats of light paths. Indices of pixels are row by row within
- * bounds(), and not checked. Integrators have no access to it; they
- * fill a PathRadiance or a Splatter, which handle the layers.
+ * statistics of the error estimate, and the splats of light paths. Values are radiance [W/(m² sr)] after
+ * white balance and before FilmSettings::imagingRatio. Indices of pixels are row by row within bounds(), and
+ * not checked. Integrators have no access to it; they fill a PathRadiance or a Splatter, which handle the
+ * layers.
  */
 #pragma once
 
@@ -140,7 +141,7 @@ class Film {
   /**
    * Error of the whole image: 95th percentile over pixels of standard error over luminance, which counts
    * as at least a tenth of the image's mean. Infinite while a pixel has fewer than MIN_SAMPLES
-   * samples, too few for a sample variance.
+   * samples, too few for a sample variance; 0 for a black image.
    */
   double relativeError() const;
   static constexpr uint64_t MIN_SAMPLES = 8;

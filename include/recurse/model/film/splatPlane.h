@@ -31,7 +31,7 @@ class SplatPlane {
 
   /** Adds value times filter to each layer of the bit set, in the pixels around a point [pixels of the whole
    * film]. `value` is finite: the contribution of one light path for the importance of one pixel (WiSample).
-   * `extraLayer`: another layer, of any index. Any thread, any time. */
+   * `extraLayer`: another layer, of any index. Callable from any thread, but not while sums are read. */
   void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value,
            size_t extraLayer = NO_LAYER);
   static constexpr size_t NO_LAYER = SIZE_MAX;
@@ -50,8 +50,8 @@ class SplatPlane {
   double variance(size_t pixel) const;
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
-  /** Number of additions, to one colour of one layer of a pixel or to its moments, that were clamped or
-   * overflowed, so that their light is lost in part. Additions by addSums() are not counted. */
+  /** Number of additions to one colour of one layer of a pixel that were clamped or overflowed, and to its
+   * moments that overflowed: their light is lost in part. Additions by addSums() are not counted. */
   uint64_t saturated() const { return figures.saturated; }
   /** Number of the first pass whose light paths are not included; needed to resume a render. */
   uint64_t nextPass() const { return figures.nextPass; }

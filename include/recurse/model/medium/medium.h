@@ -57,7 +57,8 @@ class MajorantSegments {
   /** The interval [0, end) with one majorant. */
   MajorantSegments(float end, const Rgb& majorant) : whole{0, end, majorant}, one(true) {}
   /** Cells of a grid along a ray in unit-cube coordinates, up to `end`. Majorants are `extinction` times the
-   * grid's bounds. The direction is not of unit length: distances are along the scene's ray. */
+   * grid's bounds. The direction is not of unit length: distances are along the scene's ray. The grid must
+   * outlive the segments. */
   MajorantSegments(const MajorantGrid& grid, const Rgb& extinction, const Vec3f& origin,
                    const Vec3f& direction, float end);
 
@@ -92,7 +93,8 @@ class Medium {
 /** Arguments of makers of media besides parameters. */
 struct MediumContext {
   Mat4d sceneFromMedium{1};
-  /** Above it the mean free path vanishes in the rounding of positions [1/length]. */
+  /** Above it the mean free path vanishes in the rounding of positions [1/length]. Homogeneous media are
+   * scaled down to it, at constant albedo. */
   float maxExtinction = INFINITE;
 };
 

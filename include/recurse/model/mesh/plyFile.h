@@ -10,9 +10,11 @@
 namespace recurse {
 
 struct PlyFile {
-  MeshData mesh;             ///< polygons are fans of triangles around their first vertex
-  uint64_t badNormals = 0;   ///< normals that are not finite; they are zero in the mesh
-  size_t brokenVertices = 0; ///< vertices that are not finite and not used by any face
+  MeshData mesh;           ///< polygons are fans of triangles around their first vertex
+  uint64_t badNormals = 0; ///< normals that are not finite; they are zero in the mesh
+  /** Vertices with a position or texture coordinate that is not finite. No face uses them, and the mesh has
+   * finite values in their place. */
+  size_t brokenVertices = 0;
 
   /** Calls warn(text) for each kind of discarded data. */
   template <class Warn> void forWarnings(const Warn& warn) const {
@@ -24,7 +26,8 @@ struct PlyFile {
   }
 };
 
-/** Reads a mesh. Throws Error with the location of the fault: a line, or a byte of a binary file. */
+/** Reads a mesh. Throws Error with the location of the fault, a line, or a byte of a binary file; also where
+ * a face uses a vertex that is not finite. */
 PlyFile readPly(const FileReference& file);
 
 /** The vertices of a PLY file, which need no faces. */

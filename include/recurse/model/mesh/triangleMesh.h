@@ -14,10 +14,11 @@ namespace recurse {
 /** Mesh as stored in files, in object space and double precision. */
 struct MeshData {
   std::vector<Vec3d> positions;
-  std::vector<Vec3d> normals;        ///< one for each position, or none; need not be unit
-  std::vector<Vec3d> tangents;       ///< pbrt's S: one for each position, or none
-  std::vector<Vec2d> uvs;            ///< one for each position, or none
-  std::vector<glm::uvec3> triangles; ///< indices of positions
+  std::vector<Vec3d> normals;  ///< one for each position, or none; any length, 0: the triangle's normal
+  std::vector<Vec3d> tangents; ///< pbrt's S: one for each position, or none
+  std::vector<Vec2d> uvs;      ///< one for each position, or none
+  /** Indices of positions a, b, c. The normals point outside; without normals (b - a) x (c - a) does. */
+  std::vector<glm::uvec3> triangles;
 };
 
 class TriangleMesh final : public Shape {

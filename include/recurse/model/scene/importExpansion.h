@@ -21,9 +21,10 @@ void attachFiles(SceneDescription& scene, const std::shared_ptr<const MemoryFile
 
 /** True where a Shape directive names an importer, also in an object. */
 bool hasImports(const SceneDescription& scene);
-/** Replaces Shape directives that name importers by the imported parts of a scene. Errors go to the
- * diagnostics, and their Shape is removed. `lenient`: unknown parameters are warnings. `kept`: imports are
- * reused from it, and left in it for the next frame; null: nothing is kept. */
+/** Replaces Shape directives that name importers by the imported parts of a scene. An import's chosen camera
+ * sets the transform of the scene's camera, unless that has a name. Errors go to the diagnostics, and their
+ * Shape is removed. `lenient`: unknown parameters are warnings. `kept`: imports are reused from it, and left
+ * in it for the next frame; null: nothing is kept. */
 void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient,
                    KeptParts* kept = nullptr);
 

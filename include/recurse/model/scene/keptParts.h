@@ -40,9 +40,10 @@ template <class Key, class Part> class KeptByKey {
 
 /**
  * Parts kept from one frame to the next: shapes (with meshes read, subdivided, displaced) of equal parameters
- * and transform without textures, objects, opacity or edges as long as pixels, trees of objects whose shapes
- * are all kept, media, and models read from files. Only one scene at a time can be rendered with the kept
- * parts. A scene must exist until the next one is built, because keys of trees are addresses of shapes.
+ * and transform without textures, objects, materials with holes or edges as long as pixels, trees of objects
+ * whose shapes are all kept, media, and models read from files. Only one scene at a time can be rendered with
+ * the kept parts. A scene must exist until the next one is built, because keys of trees are addresses of
+ * shapes.
  */
 class KeptParts {
  public:

@@ -15,7 +15,7 @@ struct PlacedShape {
   const Material* material = nullptr; ///< null: no scattering
   bool emits = false;
   uint32_t object = 0;     ///< see Scene::objectName()
-  Mat4d sceneFromShape{1}; ///< at the time when the shutter opens; identity outside of instances
+  Mat4d sceneFromShape{1}; ///< at the time when the shutter opens; identity for shapes of Scene::shapes()
 };
 
 /** Calls visit(placed) for every shape of a scene made by buildScene(), once for each instance that contains

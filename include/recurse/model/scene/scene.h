@@ -34,12 +34,12 @@ struct Hit {
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
-  int shape = -1;                       ///< in Scene::shapes(); -1: a shape that moves or is in an instance
+  int shape = -1;                       ///< in Scene::shapes(); -1: not one of them
   MediumInterface media;                ///< on both sides, where the surface is a boundary of media
   uint32_t object = 0;                  ///< see Scene::objectName()
 };
 
-/** Shape at rest that belongs to no instance. */
+/** Shape at rest that belongs to no instance or emits; each instance has its own emitting shapes. */
 struct SceneShape {
   const Shape* shape = nullptr;
   const Material* material = nullptr; ///< null: no scattering
@@ -109,7 +109,8 @@ class LightTable {
 };
 
 /** Contents of a scene: integrators adapt to them, and `--check` prints them. Shapes and primitives of an
- * object count once for all of its instances, area lights once for each. */
+ * object count once for all of its instances; those that emit or move by themselves, and area lights, once
+ * for each. Each shape that moves by itself also counts as an instance. */
 struct SceneContents {
   size_t shapes = 0, triangles = 0, otherPrimitives = 0, instances = 0, materials = 0;
   size_t areaLights = 0, deltaLights = 0, environmentLights = 0;
@@ -229,9 +230,10 @@ struct SceneOverrides {
 };
 
 /**
- * Makes every plug-in of the description. Errors of the scene are reported to `diagnostics`; the result is
- * null when there was any. Throws Error (BAD_USAGE) where the crop window contains no pixel. `kept`: reusable
- * parts are taken from it, and the parts for the next frame are left in it.
+ * Expands imports, and makes the plug-ins in use except the integrator. Errors of the scene are reported to
+ * `diagnostics`; the result is null when there was any. Throws Error (BAD_USAGE) where the crop window
+ * contains no pixel. `kept`: reusable parts are taken from it, and the parts for the next frame are left in
+ * it.
  */
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
                                   Diagnostics& diagnostics, KeptParts* kept = nullptr);

@@ -52,7 +52,8 @@ class ImportWriter {
   std::string uniqueName(const std::string& hint);
   /** Adds a file; returns its unique name for the text, derived from `hint` with its extension. */
   std::string addFile(const std::string& hint, std::string content);
-  /** Adds a copy of a file on the disk. Throws Error where it cannot be read. */
+  /** addFile() of a file on the disk, whose path is added to SceneImport::filesRead. Throws Error where it
+   * cannot be read. */
   std::string copyFile(const std::string& path);
   /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`. The
    * mesh transformed by `placement` extends the bounds. */
@@ -77,7 +78,7 @@ std::string sceneText(const Vec3d& v);
 std::string sceneText(const Mat4d& m); ///< column by column, in brackets
 std::string sceneText(const std::string& name);
 
-/** Bytes of a binary PLY file. */
+/** Bytes of a binary PLY file, in single precision; tangents are omitted. */
 std::string plyBytes(const MeshData& mesh);
 
 /** Bytes of a file. Throws Error with the reason. */

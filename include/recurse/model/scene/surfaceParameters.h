@@ -7,8 +7,8 @@ namespace recurse {
 
 struct PlugIns;
 
-/** Adds `name` to shapes and lights, `alpha` to shapes, `displacement` and `normalmap` to all materials but
- * "interface". */
+/** Adds `name` to shapes and lights, `alpha` to shapes, `displacement` (bumps) and `normalmap` to all
+ * materials but "interface", of the plug-ins that are registered already. */
 void addSurfaceParameters(PlugIns& plugIns);
 
 } // namespace recurse

@@ -25,8 +25,8 @@ class CurveShape final : public Shape {
   Kind kind() const { return curveKind; }
   /** Control points with radius [scene units] in w, four for each segment. */
   const std::vector<glm::vec4>& controls() const { return points; }
-  /** Parameters for surfaceAt() of Embree's hit at u on a segment, by a ray of any length; empty where a
-   * ribbon seen at an angle is narrower than the hit. */
+  /** Parameters for surfaceAt() of Embree's hit at u on a segment, by a ray whose direction may have any
+   * length; empty where a ribbon seen at an angle is narrower than the hit. */
   std::optional<HitParameters> parametersOf(uint32_t segment, float u, const Vec3f& origin,
                                             const Vec3f& direction, float t) const;
 

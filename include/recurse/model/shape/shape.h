@@ -150,7 +150,7 @@ class Shape {
   /** Density of sampleArea() at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
   /** Inverse Gauss map of a sphere, uniform over directions: the point with this geometric normal [unit]; pdf
-   * by area, see sampleArea(). Empty for all shapes but spheres. */
+   * by area, see sampleArea(). Empty for all shapes but whole spheres. */
   virtual std::optional<ShapeSample> pointWithNormal(const Vec3f& /*normal*/) const { return {}; }
   /** Samples a point as seen from `from`; pdf by solid angle. Empty where sampling yields no point, or one
    * that is seen edge-on. The point may face away or be hidden. */
@@ -166,7 +166,8 @@ class Shape {
   /** Face and coordinates of a point of a primitive. */
   virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
 
-  /** Mean number of overlapping parts that a ray through the shape tests; 1 without overlap. */
+  /** Predicted cost of a ray through the shape [tests of a simple surface]: the mean number of overlapping
+   * parts, or the equivalent of a costly function; at least 1. */
   virtual double testsOfRay() const { return 1; }
   /** The mesh itself where the shape is one, so that Embree intersects its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
@@ -174,8 +175,9 @@ class Shape {
 
   /** The shape as a closed solid. Throws Error with the reason where it does not enclose a volume. */
   virtual std::unique_ptr<Solid> asSolid() const;
-  /** Boundary curve of the surface: straight edges whole, curved ones as short pieces. Pieces with the same
-   * ends are seams between parts. A piece of zero length represents an edge at an unknown location. */
+  /** Boundary curve of the surface: straight edges whole, curved ones as short pieces with gaps. Pieces with
+   * the same ends are seams between parts. A piece of zero length represents an edge at an unknown
+   * location. */
   virtual std::vector<RimPiece> rim() const { return {}; }
   /** Materials of a compound's components; empty: the whole has the material of the Shape directive. */
   virtual std::vector<const Material*> componentMaterials() const { return {}; }
@@ -216,7 +218,8 @@ struct ComponentShape {
 class ShapeLookup {
  public:
   virtual ~ShapeLookup() = default;
-  /** Makes the object's shapes in the space of `context`. Throws SceneError at the naming parameter. */
+  /** Makes the object's shapes in the space of `context`, without those that have errors, which are reported.
+   * Throws SceneError at the naming parameter where no such object exists or it contains itself. */
   virtual std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
                                              const std::string& name, const ShapeContext& context) = 0;
 };
@@ -233,8 +236,8 @@ struct ShapeContext {
 };
 
 /**
- * Rim of a surface p(u, v): short pieces of the edges u = 0 and u = 1 if `uEnds`, v = 0 if `vLow`, v = 1 if
- * `vHigh`, of p on the unit square. Edges that are degenerate to a point have no pieces.
+ * Rim of a surface p(u, v): short pieces, with gaps, of the edges u = 0 and u = 1 if `uEnds`, v = 0 if
+ * `vLow`, v = 1 if `vHigh`, of p on the unit square. Edges that are degenerate to a point have no pieces.
  */
 std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double u, double v)>& p, bool uEnds, bool vLow,
                                  bool vHigh);

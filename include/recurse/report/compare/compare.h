@@ -70,7 +70,7 @@ struct Comparison {
 
   /** Set by addClasses(): all paths, then the classes. */
   std::vector<ClassError> classes;
-  std::vector<std::string> classesLeftOut; ///< classes that are missing in a picture, and why
+  std::vector<std::string> classesLeftOut; ///< classes of x that a reference does not have, and why
 
   /** Set by addFlip(). Over whole pictures: NaN when any pixel is not finite. */
   std::optional<Flip> flip, hdrFlip;

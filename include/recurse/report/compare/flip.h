@@ -25,15 +25,15 @@ struct Flip {
 };
 
 /** LDR-FLIP of linear pictures as displayed without exposure, clipped to [0, 1]. Throws Error where the
- * sizes differ. */
+ * sizes differ, or a picture has fewer than three channels. */
 Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 
 /**
  * HDR-FLIP: maximum LDR-FLIP of each pixel over a range of exposures with the ACES tone curve. The first
  * exposure maps the reference's largest luminance to 0.85, the last one its median; there is an exposure for
- * each stop of this range, rounded up, and at least two; 0 for a black reference. Negative values count as
- * zero. Where the median is zero, which the paper does not treat, the median of the positive luminances is
- * used. Throws Error where the sizes differ.
+ * each stop of this range, rounded up, and at least two; for a black reference, one of 0 stops. Negative
+ * values count as zero. Where the median is zero, which the paper does not treat, the median of the positive
+ * luminances is used. Throws Error as ldrFlip() does.
  */
 Flip hdrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 

@@ -1,6 +1,6 @@
 /** @file
  * Development of a rendered picture, linear and unbounded, for a display. The steps in order: white balance,
- * exposure, bloom, tone operator, display encoding, dither.
+ * exposure, bloom, tone operator with antialiased highlights, display encoding, dither.
  */
 #pragma once
 
@@ -57,7 +57,7 @@ class DisplayEncoding {
    * with this display and view. */
   explicit DisplayEncoding(const std::string& name = "srgb");
   /** Encodes linear values, clipped to [0, 1], for the display; OpenColorIO gets them unclipped. The results
-   * are in [0, 1]. */
+   * are in [0, 1]. Throws Error where OpenColorIO fails. */
   void apply(Image& picture) const;
   /** All names, with a pattern for OpenColorIO. */
   static const std::vector<std::string>& names();
@@ -83,7 +83,8 @@ struct Developed {
   double stops = 0; ///< exposure applied, metered or given
 };
 
-/** Picture with its glare, and the same light without glare: identical without bloom. */
+/** Picture with its glare, and the part of it that is not glare, darker than before the bloom. Identical
+ * without bloom. */
 struct Glaring {
   Image light, direct;
 };
@@ -100,7 +101,7 @@ Unexposed beforeExposure(const Image& picture, const DevelopSettings& settings);
 
 /** Self-contained page that exposes the picture and applies a tone operator according to its sliders.
  * `operatorName`: operator that is chosen at first, instead of settings.toneMap. Operators have their default
- * parameters. */
+ * parameters. settings.display and settings.dither have no effect. */
 std::string developPage(const Image& picture, const DevelopSettings& settings, const std::string& title,
                         const std::string& operatorName);
 

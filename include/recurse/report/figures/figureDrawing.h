@@ -25,7 +25,7 @@ struct FigureDrawing {
   };
   struct Text {
     int x = 0, y = 0; ///< upper left corner
-    std::string text;
+    std::string text; ///< ASCII
     Rgb colour = BLACK;
     int size = 1; ///< pixels of a dot of the bitmap font; a letter is 6 dots wide
   };

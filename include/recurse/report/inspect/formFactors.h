@@ -27,6 +27,8 @@ struct FormFactors {
  * uniform in the surface's coordinates: on flat faces, in area as well. The form factor from i to j is the
  * fraction of rays from i that hit j first. Of each patch, the side with more RadiosityPatch::received. The
  * standard error of a form factor F is sqrt(F (1 - F) / rays). Without rays, only the sides are set.
+ * `patches`: all patches of Integrator::visitPatches(), in this order. `stop` leaves the remaining entries of
+ * the result empty.
  */
 std::vector<FormFactors> formFactors(const Scene& scene, const Integrator& integrator,
                                      std::span<const RadiosityPatch> patches, uint32_t raysPerPatch,

@@ -50,8 +50,9 @@ constexpr int BOX_LEVELS = 13;
  * Sets `inMap` to the number of photons in the map. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
-/** Light of `photonPaths` (see Integrator) in the classes of the photons, among the light that leaves a
- * non-delta surface, as one expression; empty if some photons are in no class. */
+/** Expression of the paths of `photonPaths` (see Integrator) in the classes of the photons. The classes of a
+ * photon are those of its path continued by DE. Empty without photons, and if a photon is in no class.
+ * `classes` must not name surfaces. */
 std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
                              const std::string& photonPaths);
 

@@ -48,7 +48,9 @@ constexpr const char* CLASS_STATE_NAMES[] = {"right", "missing", "doubled", "sca
 struct ClassFinding {
   ClassState state = ClassState::UNKNOWN;
   std::array<double, CLASS_STATES> probabilities{}; ///< of the known states
-  double factor = 1, standardError = 0;             ///< of the class, for the most probable states
+  /** Light of the class over its light in the reference, with the exposure undone, for the most probable
+   * states of all classes. */
+  double factor = 1, standardError = 0;
 };
 
 /** One rectangle of the reference's picture. */
@@ -56,7 +58,7 @@ struct MarkedRegion {
   int x = 0, y = 0, width = 0, height = 0; ///< [pixels]
   double usedFraction = 0;                 ///< fraction of its cells without clipped pixels, NaN or infinity
   double unexplained = 0; ///< relative root mean square error not explained by factors of classes
-  std::vector<ClassFinding> classes;
+  std::vector<ClassFinding> classes; ///< in the order of Marking::classes
 };
 
 /** One class of paths in the whole picture. */
@@ -64,15 +66,15 @@ struct ClassMark {
   std::string name, expression;
   double share = 0; ///< fraction of the reference's mean luminance
   ClassState state = ClassState::UNKNOWN;
-  double certainty = 0;                 ///< probability of the state
-  double factor = 1, standardError = 0; ///< mean factor where the state holds
+  double certainty = 0;                 ///< probability of the state; 0: UNKNOWN
+  double factor = 1, standardError = 0; ///< mean ClassFinding::factor where the state holds
   double toldFraction = 0;              ///< fraction of the picture: regions that show the class's state
   double stateFraction = 0;             ///< fraction of these regions that are in this state
 };
 
 /** Classes some of which are wrong, but whose light does not show which. */
 struct ClassConfusion {
-  std::vector<size_t> classes;
+  std::vector<size_t> classes;    ///< indices in Marking::classes
   std::vector<ClassState> states; ///< state of each class, if it is the wrong one
   std::vector<double> probabilities;
 };
@@ -81,7 +83,7 @@ struct ClassConfusion {
 struct Marking {
   PictureChange change;
   double changeCertainty = 0;     ///< probability of the change among all changes tried
-  double exposure = 1;            ///< factor of all light
+  double exposure = 1;            ///< all light of the picture over that of the reference
   double exposureError = 0;       ///< standard error of the exposure; 0: the exposure is right
   double exposureCertainty = 0;   ///< probability of this finding on the exposure
   std::vector<ClassMark> classes; ///< in the order of the stills' layers, without the whole picture
@@ -109,7 +111,7 @@ struct MarkingStatement {
   std::string what;   ///< "LS+DE (caustic) is missing, in 92 % of the picture where it is visible"
   std::string advice; ///< meaning, and what to do
   double certainty = 1;
-  int shownClass = -1; ///< class whose map shows the error; -1: none
+  int shownClass = -1; ///< index in Marking::classes of the class whose map shows the error; -1: none
 };
 /** All errors: of the picture, of the exposure, of classes (largest first), unexplained; empty: none. */
 std::vector<MarkingStatement> markingStatements(const Marking& marking);

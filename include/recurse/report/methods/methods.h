@@ -15,7 +15,7 @@ namespace recurse {
 /** A method with its result for the scene. */
 struct MethodResult {
   std::string name, settings;
-  std::string claims;                      ///< expression of the paths that the method computes
+  std::string claims;                      ///< expression of the paths that the method computes; not empty
   std::string suppositions;                ///< assumptions about these paths, in words; empty: none
   std::string failure;                     ///< reason for a missing picture, in words; empty: there is one
   double seconds = 0, samplesPerPixel = 0; ///< seconds: time of the render [s]

@@ -13,8 +13,8 @@
 
 namespace recurse {
 
-/** Material of a shape: an index into `materials`, a name in `namedMaterials`, or none
- * (interface). */
+/** Material of a shape: an index into `materials`, a name in `namedMaterials`, where there may be none, or no
+ * material (interface). */
 struct MaterialReference {
   enum class Kind { INDEX, NAME, NONE } kind = Kind::INDEX;
   int index = 0;
@@ -24,7 +24,7 @@ struct MaterialReference {
 
 /** Media on both sides of a shape. */
 struct MediumReference {
-  std::string inside, outside; ///< names; empty: vacuum
+  std::string inside, outside; ///< names in `media`, where there may be none; empty: vacuum
 };
 
 /** Shape directive with its graphics state. */

@@ -120,10 +120,11 @@ class Parameters {
 
   /** Name of the texture that replaces the value; empty when there is none. */
   std::string texture(const std::string& name) const;
-  /** Declared range of every number; the caller must clamp texture values to it. */
+  /** Declared range of every number of a parameter that has a value; the caller must clamp texture values to
+   * it. */
   std::pair<double, double> range(const std::string& name) const;
-  /** Value as the path of an existing regular file, relative to the directory of the file that names it, else
-   * of the top file. */
+  /** Path of an existing regular file. A relative name in the value is searched in the directory of the file
+   * that contains it, then in that of the top file. */
   std::string filePath(const std::string& name) const;
   /** Like filePath(), for readers that accept files in memory as well. */
   FileReference file(const std::string& name) const;

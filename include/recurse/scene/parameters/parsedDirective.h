@@ -26,7 +26,8 @@ enum class ParameterType {
   SPECTRUM
 };
 
-/** Parameter as written in the file: `"rgb reflectance" [.2 .5 .8]`. */
+/** Parameter as written in the file: `"rgb reflectance" [.2 .5 .8]`, except that rgb values are converted
+ * from the current ColorSpace to linear Rec. 709. */
 struct ParsedParameter {
   std::string type; ///< the word before the name: float integer bool string point3 rgb blackbody texture ...
   std::string name;

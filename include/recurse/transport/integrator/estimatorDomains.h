@@ -36,13 +36,14 @@ struct DomainReport {
   std::string text() const;
 };
 
-/** Compares the domains with each other and with the paths that they should cover. Throws Error naming the
- * estimator for an expression that does not compile. */
+/** Compares the domains with each other and with the paths that they should cover; `onlyPanes` is ignored.
+ * Throws Error naming the estimator for an expression that does not compile. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
 
-/** Expression of the paths from delta lights that no estimator finds, or one such path; without those
- * straight through thin panes and in media; empty where all are found. Delta lights are not visible, neither
- * directly nor in mirrors: LS*E contains no light from them. */
+/** Expression of the paths from delta lights that no estimator finds, or one such path; empty where all are
+ * found. Paths in media are left out. A pane is an S event, so that the expression includes paths straight
+ * through thin panes, which an `onlyPanes` estimator may find. Delta lights are not visible, neither directly
+ * nor in mirrors: LS*E contains no light from them. */
 std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators);
 
 /** Table of the estimators for a terminal, with a line for each. */

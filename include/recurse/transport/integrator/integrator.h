@@ -272,7 +272,7 @@ class Integrator {
   virtual Passes passes(int /*samplesPerPixel*/) const { return Passes::oneMap(); }
   /** Whether forward() splats light paths to pixels through a Splatter. */
   virtual bool splats() const { return false; }
-  /** Number of photons that forward() emits in each pass; 0: no photon map. */
+  /** Number of photons that forward() emits in each pass; 0: none, or not stated. */
   virtual uint64_t photonsEmitted(const Scene&) const { return 0; }
   /** Whether the camera rays of a pass have the time of its photons, so that no estimate mixes times. */
   virtual bool passHasOneTime() const { return false; }
@@ -280,7 +280,8 @@ class Integrator {
   virtual ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) {
     return {};
   }
-  /** Estimates the radiance along a camera ray. May be called from any thread for any pixel. */
+  /** Adds an estimate of the radiance along a camera ray to `out`, without CameraRay::weight. May be called
+   * from any thread for any pixel. */
   virtual void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                         PathRadiance& out) const = 0;
   /** Estimates several camera paths with the same classes. Each result is identical to the result of
@@ -320,7 +321,8 @@ class Integrator {
   virtual std::vector<EstimatorDomain> domains() const = 0;
   /** Choices that the first pass makes by the scene, in words; empty: none. */
   virtual std::string choices() const { return {}; }
-  /** Paths that the method computes, if it omits others by nature; empty: all paths at surfaces. */
+  /** Expression of the paths that the method computes, if it omits others by nature; empty: all paths at
+   * surfaces. */
   virtual std::string claims() const { return {}; }
   /** Assumptions about these paths that the method makes even where the scene violates them, in words; empty:
    * none. */

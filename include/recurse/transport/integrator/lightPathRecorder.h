@@ -51,7 +51,7 @@ class LightPathRecorder {
   bool isRecorded(uint64_t path) const { return step > 0 && path % step == 0; }
   /** List for the vertices of the light path with this number; null if it is not recorded. */
   std::vector<RecordedLightVertex>* listFor(uint64_t path) { return isRecorded(path) ? &list : nullptr; }
-  /** Appends vertices whose indices `previous` refer to the same list. */
+  /** Appends vertices whose indices `previous` refer to `part`. */
   void append(const std::vector<RecordedLightVertex>& part);
 
   const std::vector<RecordedLightVertex>& vertices() const { return list; }

@@ -74,9 +74,12 @@ struct RecordedSource {
   int lightVertex = NOT_RECORDED;
   Vec3f end{0}; ///< point of the light or light path, or unit direction to it where `isInfinite`
   bool isInfinite = false;
-  float weight = 1;   ///< MIS weight among all techniques that can make the path
-  float pdf = 0;      ///< density of this technique [1/sr]; 0: a delta distribution, or unknown
-  float otherPdf = 0; ///< of a pair's second technique, light sample or hit [1/sr]; 0: cannot make the path
+  /** MIS weight among all techniques that can make the path; 1 for merges of many photons at once. */
+  float weight = 1;
+  float pdf = 0; ///< density of this technique, for all light samples together [1/sr]; 0: delta, or unknown
+  /** Density of a pair's second technique: a hit, or one light sample [1/sr]; 0: it cannot make the path, or
+   * is unknown. */
+  float otherPdf = 0;
 };
 
 /** Radiance that a path adds to a sample. */
