@@ -33,7 +33,7 @@ struct SeenObject {
 class IdWalk {
  public:
   IdWalk(const Scene& scene, bool throughSpecular)
-      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1, false) {}
+      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1, InMedia::IGNORE) {}
 
   SeenObject see(const CameraRay& ray, Sampler& sampler) {
     CameraSubpath path = startCameraSubpath(scene, classes, ray, counts);

@@ -44,7 +44,7 @@ class FeatureWalk {
   FeatureWalk(const Scene& scene, const Integrator& integrator, const FeatureSettings& settings)
       : scene(scene), integrator(integrator), throughSpecular(settings.throughSpecular),
         needsGuide(contains(settings.layers, featureLayers()[GUIDE].name)),
-        walker(scene, classes, counts, -1, false) {}
+        walker(scene, classes, counts, -1, InMedia::IGNORE) {}
 
   SeenFeatures see(const CameraRay& ray, Sampler& sampler) {
     CameraSubpath path = startCameraSubpath(scene, classes, ray, counts);

@@ -37,11 +37,7 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
 void PhotonMapping::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                              PathRadiance& out) const {
   PathState path;
-  path.ray = ray;
-  path.camera = out.pathClasses().cameraStart();
-  path.nesting = nestingAt(scene, ray, out.counts);
-  path.nesting.startIn(scene.cameraMedium());
-  path.optical.index = indexAtStart(scene, out.pathClasses(), ray, path.nesting, out.counts);
+  path.walk = startCameraSubpath(scene, out.pathClasses(), ray, out.counts);
   trace(scene, path, sampler, out);
 }
 
@@ -53,110 +49,94 @@ bool hasMediaWithoutEnd(const Scene& scene) {
 }
 
 void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
-  BsdfArena arena;
-  Hit hit;
-  for (;;) {
-    const bool isHit = intersect(scene, path.ray, hit, out.counts);
-    if (scene.hasMedia() && isHit) path.nesting.approach(hit, path.ray.direction);
-    if (scene.hasMedia() && !passMedium(scene, path, isHit ? hit.t : INFINITE, sampler, out)) return;
-    if (!isHit) {
+  CameraWalker walker(scene, out.pathClasses(), out.counts, -1, InMedia::PASS);
+  CameraVertex vertex;
+  const auto emission = [&](const Hit* hit) {
+    if (hit)
+      addEmission(scene, path, *hit, out);
+    else
       addEnvironment(scene, path, out);
+  };
+  const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
+  for (;;) {
+    path.walk.needed = path.share == 0 && path.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
+    if (!walker.next(
+            path.walk, vertex, sampler, emission, [](const Rgb&) {}, flight))
       return;
-    }
-    path.ray.width += path.ray.spread * hit.t;
-    path.distance += hit.t;
-    path.optical.travel(hit.t);
-    if (hit.areaLight) addEmission(scene, path, hit, out);
-    if (path.share == 0 && path.direct.merged == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES))
-      return;
-    arena.reset();
-    drawWavelength(scene, path.wavelength, sampler, hit);
-    const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
-    if (!bsdf) {
-      path.nesting.enterMedium(hit, path.ray.direction);
-      if (scene.hasMedia())
-        path.ray.origin = originBehind(path.ray, hit);
-      else
-        static_cast<Ray&>(path.ray) = spawn(hit.point, path.ray.direction);
-      continue;
-    }
-    if (path.depth == settings.maxDepth) {
+    if (settings.maxDepth >= 0 && path.walk.depth > settings.maxDepth) {
       out.counts.truncatedThroughput += double(maxComponent(path.sharedThroughput()));
       return;
     }
-    ++path.depth;
-    const ScatteringPoint scattering(*bsdf, hit.point);
+    path.distance += glm::distance(path.walk.from, vertex.point().position);
     if (out.recorder)
-      path.recordedVertex = out.recorder->addVertex(path.recordedStep, hit, path.ray.direction,
-                                                    scattering.lobes(), path.sharedThroughput());
-    if (scattering.hasNonDelta()) addNonDelta(scene, path, hit, scattering, sampler, out);
-    if (!followDelta(scene, path, hit, scattering, sampler, out)) return;
+      path.recordedVertex = out.recorder->addVertex(path.recordedStep, vertex.hit, path.walk.ray.direction,
+                                                    vertex.scattering->lobes(), path.sharedThroughput());
+    if (vertex.scattering->hasNonDelta()) addNonDelta(scene, walker, path, vertex, sampler, out);
+    if (!followDelta(scene, walker, path, vertex, sampler, out)) return;
   }
 }
 
-bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& hit,
-                                const ScatteringPoint& scattering, Sampler& sampler,
-                                PathRadiance& out) const {
-  const PathClasses& classes = out.pathClasses();
-  path.camera = classes.step(path.camera, PathEvent::S, surfaceKind(classes, hit));
-  if (!scattering.hasDelta() || classes.dead(path.camera)) return false;
-  path.merge.arrive(path.ray.direction, hit.point);
+bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, PathState& path,
+                                const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  const ScatteringPoint& scattering = *vertex.scattering;
+  if (!scattering.hasDelta() || out.pathClasses().dead(vertex.afterS)) return false;
+  path.merge.arrive(path.walk.ray.direction, vertex.point());
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
-  const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
+  const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
-  const float scale = path.remainingWeight * path.etaScale;
+  const float scale = path.remainingWeight * path.walk.etaScale;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[size_t(i)];
-    worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * scale;
+    worth[i] = maxComponent(path.walk.throughput * s.weight) * square(s.eta) * scale;
     total += worth[i];
     if (worth[i] > 0) least = std::min(least, worth[i]);
   }
   if (!(total > 0)) return false;
+  const auto after = [&](const Scatter& s) {
+    PathState next = path.afterDelta(walker, vertex, s, passesPane(scene, scattering, s));
+    recordStep(vertex, s, next, out);
+    return next;
+  };
   int next = 0;
   // A branch under roulette may be the image of a light, which no other technique finds behind fog.
   if (path.nonDelta == 0 && least * path.mediaScale >= settings.weightLimit &&
-      path.depth <= MAX_BRANCHING_DEPTH) {
+      path.walk.depth <= MAX_BRANCHING_DEPTH) {
     for (int i = 1; i < count; ++i) {
       Sampler branch = sampler.fork(static_cast<uint32_t>(i));
-      const Scatter& s = all[size_t(i)];
-      PathState next = path.after(hit, s, passesPane(scene, scattering, s));
-      recordStep(scattering, -path.ray.direction, s, next, out);
-      trace(scene, next, branch, out);
+      trace(scene, after(all[size_t(i)]), branch, out);
     }
   } else {
     float u = count > 1 ? sampler.next1D() * total : 0;
     while (next + 1 < count && u >= worth[next]) u -= worth[next++];
     if (!(worth[next] > 0)) return false;
-    path.throughput *= total / worth[next];
+    path.walk.throughput *= total / worth[next];
     // Long walks use their full weight, which may need thousands of events to fall below the limit.
-    const float chance = path.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
-    if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
+    const float chance = path.walk.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
+    if (!russianRoulette(std::min(1.0f, chance), path.walk.depth, sampler, path.walk.throughput))
+      return false;
   }
-  const Scatter& s = all[size_t(next)];
-  const Vec3f wi = -path.ray.direction;
-  path = path.after(hit, s, passesPane(scene, scattering, s));
-  recordStep(scattering, wi, s, path, out);
+  path = after(all[size_t(next)]);
   return true;
 }
 
-void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& hit,
-                                const ScatteringPoint& scattering, Sampler& sampler,
-                                PathRadiance& out) const {
+void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path,
+                                const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  const Hit& hit = vertex.hit;
+  const ScatteringPoint& scattering = *vertex.scattering;
   if (!scattering.keepsPhotons()) {
-    addByRays(scene, std::move(path), hit, scattering, sampler, out);
+    addByRays(scene, walker, std::move(path), vertex, sampler, out);
     return;
   }
-  const PathClasses& classes = out.pathClasses();
-  path.camera = classes.step(path.camera, PathEvent::D, surfaceKind(classes, hit));
-  if (classes.dead(path.camera) || !goesOn(path, sampler)) return;
-  const Vec3f wi = -path.ray.direction;
+  path.walk.state = vertex.afterD;
+  if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
+  const Vec3f& wi = vertex.wi;
   PhotonShare direct = std::exchange(path.direct, {});
-  direct.ratio.arrive(path.ray.direction, hit.point);
+  direct.ratio.arrive(path.walk.ray.direction, hit.point);
   direct.unknownWeight = std::exchange(path.share, 1);
   LightSampleContext context;
   if (!settings.directLight) {
     context = lightSampleContext(lights, hit.point, wi);
-    addDirectLight(scene, path, context, direct, hit, scattering, sampler, out);
+    addDirectLight(scene, path, context, direct, vertex, sampler, out);
   }
   Rgb unshared = path.sharedThroughput();
   path.remainingWeight *= direct.unknownWeight;
@@ -164,34 +144,30 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
   PhotonQuery indirect;
   if (direct.unknownWeight > 0) {
     const PhotonLayer& caustics = photons.caustics();
-    merging = addPhotons(scene, caustics, causticIrradiances,
-                         photons.query(caustics, hit.point, wi, scattering.lobes()), scattering, hit.point,
-                         path, sampler, out)
-                  .merging;
+    merging =
+        addPhotons(scene, caustics, causticIrradiances,
+                   photons.query(caustics, hit.point, wi, scattering.lobes()), vertex, path, sampler, out)
+            .merging;
     indirect = photons.query(photons.indirect(), hit.point, wi, scattering.lobes());
     weighIndirect(path, indirect);
     GatherSettings& gather = indirect.settings;
     if (gather.unknownWeight > 0 || gather.merging > 0) {
-      const GatherResult used = addPhotons(scene, photons.indirect(), irradiances, indirect, scattering,
-                                           hit.point, path, sampler, out);
+      const GatherResult used =
+          addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
       gather.merging = used.merging;
       gather.unknownWeight = used.unknownWeight;
     }
   }
 
   const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
-  ++path.nonDelta;
-  path.throughput /= static_cast<float>(rays);
+  path.walk.throughput /= static_cast<float>(rays);
   unshared /= static_cast<float>(rays);
   for (int i = 0; i < rays && !out.abandoned(); ++i) {
     Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i));
     const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
     if (!s) continue;
-    PathState next = path.after(hit, *s);
-    recordStep(scattering, wi, *s, next, out);
-    next.ray.width = next.ray.spread = 0; // the footprint is unknown from here on
-    next.distance = 0;
-    next.delta = next.panes = false;
+    PathState next = path.afterNonDelta(walker, vertex, *s);
+    recordStep(vertex, *s, next, out);
     next.byRays = false;
     // Estimates at Lambertian surfaces use photons of all directions.
     next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
@@ -210,26 +186,20 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
   }
 }
 
-void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit,
-                              const ScatteringPoint& scattering, Sampler& sampler, PathRadiance& out) const {
-  const PathClasses& classes = out.pathClasses();
-  path.camera = classes.step(path.camera, PathEvent::D, surfaceKind(classes, hit));
+void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
+                              const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  path.walk.state = vertex.afterD;
   path.remainingWeight *= std::exchange(path.share, 1);
   path.direct = {};
   path.shared = {};
-  if (classes.dead(path.camera) || !goesOn(path, sampler)) return;
-  const Vec3f wi = -path.ray.direction;
-  const LightSampleContext context = lightSampleContext(lights, hit.point, wi);
-  addDirectLight(scene, path, context, {}, hit, scattering, sampler, out);
+  if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
+  const LightSampleContext context = lightSampleContext(lights, vertex.point(), vertex.wi);
+  addDirectLight(scene, path, context, {}, vertex, sampler, out);
   Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2);
-  const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
+  const std::optional<Scatter> s = vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, branch);
   if (!s) return;
-  ++path.nonDelta;
-  PathState next = path.after(hit, *s);
-  recordStep(scattering, wi, *s, next, out);
-  next.ray.width = next.ray.spread = 0;
-  next.distance = 0;
-  next.delta = next.panes = false;
+  PathState next = path.afterNonDelta(walker, vertex, *s);
+  recordStep(vertex, *s, next, out);
   next.lightShare = 1;
   next.byRays = true;
   next.bsdfRay = {context, s->pdf, true};
@@ -237,18 +207,18 @@ void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit
   trace(scene, next, branch, out);
 }
 
-void PhotonMapping::recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
-                               PathState& next, PathRadiance& out) {
+void PhotonMapping::recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next,
+                               PathRadiance& out) {
   if (!out.recorder) return;
   const bool isDelta = s.specular();
-  next.recordedStep =
-      out.recorder->addStep({.vertex = next.recordedVertex,
-                             .event = isDelta ? PathEvent::S : PathEvent::D,
-                             .lobe = s.lobe,
-                             .direction = s.direction,
-                             .throughput = next.sharedThroughput(),
-                             .pdf = isDelta ? 0 : s.pdf,
-                             .pdfReverse = isDelta ? 0 : scattering.pdfNonDelta(s.direction, wi)});
+  next.recordedStep = out.recorder->addStep(
+      {.vertex = next.recordedVertex,
+       .event = isDelta ? PathEvent::S : PathEvent::D,
+       .lobe = s.lobe,
+       .direction = s.direction,
+       .throughput = next.sharedThroughput(),
+       .pdf = isDelta ? 0 : s.pdf,
+       .pdfReverse = isDelta ? 0 : vertex.scattering->pdfNonDelta(s.direction, vertex.wi)});
 }
 
 void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const {
@@ -263,9 +233,9 @@ void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const 
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
-  const float worth = maxComponent(path.throughput) * path.etaScale * path.remainingWeight;
+  const float worth = maxComponent(path.walk.throughput) * path.walk.etaScale * path.remainingWeight;
   const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
-  return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);
+  return russianRoulette(std::min(1.0f, chance), path.walk.depth, sampler, path.walk.throughput);
 }
 
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,

@@ -45,17 +45,16 @@ class PhotonMapping final : public PhotonMapper {
   void trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const;
   /** Continues by the delta lobes: all branches of a path from the camera above the weight limit, otherwise
    * one by russian roulette. False if the path ends. */
-  bool followDelta(const Scene& scene, PathState& path, const Hit& hit, const ScatteringPoint& scattering,
-                   Sampler& sampler, PathRadiance& out) const;
+  bool followDelta(const Scene& scene, const CameraWalker& walker, PathState& path,
+                   const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const;
   /** Adds light that non-delta lobes scatter along the path: direct light, photons, and rays that go on. */
-  void addNonDelta(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
+  void addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
                    Sampler& sampler, PathRadiance& out) const;
   /** Adds light of non-delta lobes where no photons are stored: shadow rays, and a ray for other light. */
-  void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
+  void addByRays(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
                  Sampler& sampler, PathRadiance& out) const;
-  /** Records the step from unit `wi` to `next`, if there is a recorder. */
-  static void recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
-                         PathState& next, PathRadiance& out);
+  /** Records the step from a vertex to `next`, if there is a recorder. */
+  static void recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next, PathRadiance& out);
   /** Russian roulette at a non-delta surface, by the weight of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayHitLight(const Scene& scene) const {
@@ -63,9 +62,10 @@ class PhotonMapping final : public PhotonMapper {
   }
 
   // -------------------------------------------------------------------------------------------------- media
-  /** Adds the medium's light up to the distance `end` [scene units], and attenuates the path. False if the
-   * throughput is black. */
-  bool passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler, PathRadiance& out) const;
+  /** Adds the light of the medium `number` up to the distance `end` [scene units], and attenuates the path.
+   */
+  void passMedium(const Scene& scene, PathState& path, uint16_t number, float end, Sampler& sampler,
+                  PathRadiance& out) const;
   /** Adds light that the medium scatters once more: direct light by shadow rays, other light by photons. */
   void addScattering(const Scene& scene, const PathState& path, uint16_t number, float end,
                      const RayTransmittance& transmittance, Sampler& sampler, PathRadiance& out) const;
@@ -79,8 +79,8 @@ class PhotonMapping final : public PhotonMapper {
   void addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const;
   /** Adds shadow rays. Light that arrives through no pane may be shared with photons. */
   void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
-                      const PhotonShare& share, const Hit& hit, const ScatteringPoint& scattering,
-                      Sampler& sampler, PathRadiance& out) const;
+                      const PhotonShare& share, const CameraVertex& vertex, Sampler& sampler,
+                      PathRadiance& out) const;
   /** Whether directly hit light is shared with photons. */
   static bool isShared(const PathState& path) {
     return path.shared.share.merged > 0 && !path.delta && !path.panes;
@@ -100,12 +100,11 @@ class PhotonMapping final : public PhotonMapper {
   // ------------------------------------------------------------------------------------------------ photons
   /** Sets the fraction of the indirect light at the end of the path that is read from the map. */
   void weighIndirect(const PathState& path, PhotonQuery& query) const;
-  /** Adds the estimate by the photons of a layer at a point. Returns their weights against rays that find the
-   * same light. */
+  /** Adds the estimate by the photons of a layer at a vertex. Returns their weights against rays that find
+   * the same light. */
   GatherResult addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
-                          const PhotonQuery& query, const ScatteringPoint& scattering,
-                          const SurfacePoint& point, const PathState& path, const Sampler& sampler,
-                          PathRadiance& out) const;
+                          const PhotonQuery& query, const CameraVertex& vertex, const PathState& path,
+                          const Sampler& sampler, PathRadiance& out) const;
   /** Whether the cached irradiance of a record near by replaces a photon search: many rays use it, and the
    * photons' directions do not matter. */
   bool hasRecord(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,

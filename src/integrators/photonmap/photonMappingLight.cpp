@@ -17,7 +17,7 @@ void recordWeight(PathRadiance& out, float weight) {
 
 void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit& hit,
                                 PathRadiance& out) const {
-  const Vec3f& direction = path.ray.direction;
+  const Vec3f& direction = path.walk.ray.direction;
   Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
   if (isBlack(radiance)) return;
   if (out.recorder)
@@ -27,7 +27,7 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
         hit.lightIndex, *hit.areaLight,
         {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
     addShared(scene, path, hit.lightIndex, pdf, radiance,
-              glm::distance(path.bsdfRay.from.position, hit.point.position), path.optical.length, out);
+              glm::distance(path.bsdfRay.from.position, hit.point.position), path.walk.optical.length, out);
     return;
   }
   if (path.nonDelta > 0 && path.delta && !settings.directLight) {
@@ -35,13 +35,13 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
     recordWeight(out, weight);
     radiance *= weight;
   }
-  addLight(path, out.pathClasses().lightStart(hit.lightIndex), radiance, path.optical.length, out);
+  addLight(path, out.pathClasses().lightStart(hit.lightIndex), radiance, path.walk.optical.length, out);
 }
 
 void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
   if (scene.environment().empty()) return;
-  const Vec3f& direction = path.ray.direction;
-  const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
+  const Vec3f& direction = path.walk.ray.direction;
+  const float length = path.walk.optical.at(lengthFromInfinity(scene, path.walk.ray.origin, direction));
   for (size_t i = 0; i < scene.environment().size(); ++i) {
     Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
@@ -51,12 +51,12 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
     if (isShared(path)) {
       const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];
-      const LePdf pdf = photons.pdfLe(index, light, {path.ray.origin, -direction, Vec3f(0), 0});
+      const LePdf pdf = photons.pdfLe(index, light, {path.walk.ray.origin, -direction, Vec3f(0), 0});
       addShared(scene, path, index, pdf, radiance, INFINITE, length, out);
       continue;
     }
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-      const float weight = photons.rayWeight(scene, path.merge, i, path.ray);
+      const float weight = photons.rayWeight(scene, path.merge, i, path.walk.ray);
       recordWeight(out, weight);
       radiance *= weight;
     }
@@ -71,7 +71,7 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
                                           lights.probability(scene.lights(), from, light));
   const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(light), path.camera, path.shared.throughput * radiance * weight,
+  out.add(out.pathClasses().lightStart(light), path.walk.state, path.shared.throughput * radiance * weight,
           length);
 }
 
@@ -82,35 +82,36 @@ void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb&
   recordWeight(out, share);
   const Rgb added = path.sharedThroughput() * radiance * share;
   if (path.nonDelta == 0)
-    out.addSeen(light, path.camera, added, length);
+    out.addSeen(light, path.walk.state, added, length);
   else
-    out.add(light, path.camera, added, length);
+    out.add(light, path.walk.state, added, length);
 }
 
 void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                    const LightSampleContext& context, const PhotonShare& share,
-                                   const Hit& hit, const ScatteringPoint& scattering, Sampler& sampler,
-                                   PathRadiance& out) const {
-  const Vec3f wi = -path.ray.direction;
-  const int panes = panesLeft(settings.maxDepth, path.depth);
+                                   const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  const Hit& hit = vertex.hit;
+  const ScatteringPoint& scattering = *vertex.scattering;
+  const Vec3f& wi = vertex.wi;
+  const int panes = panesLeft(settings.maxDepth, path.walk.depth);
   if (share.merged == 0) {
-    addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
-                    path.sharedThroughput() * share.unknownWeight, path.camera, settings.lightSamples,
-                    NON_DELTA_LOBES, panes, sampler, out, path.optical);
+    addSampledLight(scene, lights, context, scattering, hit, path.walk.nesting, wi,
+                    path.sharedThroughput() * share.unknownWeight, path.walk.state, settings.lightSamples,
+                    NON_DELTA_LOBES, panes, sampler, out, path.walk.optical);
     return;
   }
   const PathClasses& classes = out.pathClasses();
-  if (!lightIsSampled(scene, classes, path.camera)) return;
+  if (!lightIsSampled(scene, classes, path.walk.state)) return;
   for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lights, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
     if (!light) continue;
-    Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
+    Rgb radiance = unshadowedRadiance(scattering, wi, path.walk.throughput, *light, choice.chosen.probability,
                                       settings.lightSamples, NON_DELTA_LOBES);
     if (isBlack(radiance)) continue;
-    CameraState state = path.camera;
+    CameraState state = path.walk.state;
     const Transmittance free =
-        transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts,
+        transmittance(scene, hit, wi, *light, path.walk.nesting, panes, out.counts,
                       [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
     if (isBlack(free.value)) continue;
     const ChosenLight& chosen = choice.chosen;
@@ -127,7 +128,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     recordWeight(out, weight);
     radiance *= weight * path.remainingWeight;
     out.add(classes.lightStart(chosen.index), state, radiance * free.value,
-            lengthToLight(scene, path.optical, scattering, wi, hit.point, *light));
+            lengthToLight(scene, path.walk.optical, scattering, wi, hit.point, *light));
   }
 }
 

@@ -20,63 +20,59 @@ RaysToLights raysToLights(int lightSamples, bool first) {
 
 } // namespace
 
-bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler,
-                               PathRadiance& out) const {
-  const uint16_t number = path.nesting.medium(scene);
-  const Medium* medium = scene.medium(number);
-  if (!medium) return true;
-  const RayTransmittance transmittance(*medium, path.ray, end, sampler);
+void PhotonMapping::passMedium(const Scene& scene, PathState& path, uint16_t number, float end,
+                               Sampler& sampler, PathRadiance& out) const {
+  const RayTransmittance transmittance(*scene.medium(number), path.walk.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Where photons are stored, they include the emission of media.
   if (path.byRays || settings.directLight)
     addLight(path, startInMedium(scene, out.pathClasses(), number), transmittance.emitted(),
-             path.optical.length, out);
-  if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
-  const float before = maxComponent(path.throughput);
-  path.throughput *= transmittance.to(end);
-  if (isBlack(path.throughput)) return false;
-  path.mediaScale *= before / maxComponent(path.throughput);
-  return true;
+             path.walk.optical.length, out);
+  if (path.walk.depth != settings.maxDepth)
+    addScattering(scene, path, number, end, transmittance, sampler, out);
+  const float before = maxComponent(path.walk.throughput);
+  path.walk.throughput *= transmittance.to(end);
+  if (!isBlack(path.walk.throughput)) path.mediaScale *= before / maxComponent(path.walk.throughput);
 }
 
 void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uint16_t number, float end,
                                   const RayTransmittance& transmittance, Sampler& sampler,
                                   PathRadiance& out) const {
-  const CameraState camera = out.pathClasses().step(path.camera, PathEvent::V);
+  const CameraState camera = out.pathClasses().step(path.walk.state, PathEvent::V);
   const Rgb throughput = path.sharedThroughput() * path.share;
   if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
   const Medium& medium = *scene.medium(number);
-  const Vec3f& direction = path.ray.direction;
+  const Vec3f& direction = path.walk.ray.direction;
   addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
   if (settings.directLight) return;
   const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
-  const int panes = panesLeft(settings.maxDepth, path.depth + 1);
-  OpticalPath optical = path.optical;
+  const int panes = panesLeft(settings.maxDepth, path.walk.depth + 1);
+  OpticalPath optical = path.walk.optical;
   const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
-    return LitVertex{hit,      nullptr, &medium, -direction, NON_DELTA_LOBES, path.nesting,
+    return LitVertex{hit,      nullptr, &medium, -direction, NON_DELTA_LOBES, path.walk.nesting,
                      spectral, hero,    camera,  false,      optical};
   };
   Hit hit;
   if (!medium.isHomogeneous()) {
     SpectralPath spectral{throughput};
-    const Collision c = sampleCollision(medium, path.ray, end, hero, Absorption::SAMPLED, sampler, spectral,
-                                        [](const Rgb&) {});
+    const Collision c = sampleCollision(medium, path.walk.ray, end, hero, Absorption::SAMPLED, sampler,
+                                        spectral, [](const Rgb&) {});
     if (!c.scatters || isBlack(spectral.throughput)) return;
-    hit.point = pointInMedium(path.ray, c.t);
+    hit.point = pointInMedium(path.walk.ray, c.t);
     optical.travel(c.t);
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,
                            panes, sampler, out);
     return;
   }
-  const Rgb scattering = medium.at(path.ray.origin).scattering;
+  const Rgb scattering = medium.at(path.walk.ray.origin).scattering;
   if (isBlack(scattering) || !lightIsSampled(scene, out.pathClasses(), camera)) return;
-  const RaysToLights rays = raysToLights(settings.lightSamples, path.depth == 0);
+  const RaysToLights rays = raysToLights(settings.lightSamples, path.walk.depth == 0);
   const auto addRay = [&](int which, Sampler& random) {
     const std::optional<LightAlongRay> s =
-        sampleLightAlong(scene, lights, medium, path.ray, end, rays, which, random);
+        sampleLightAlong(scene, lights, medium, path.walk.ray, end, rays, which, random);
     if (!s) return;
-    hit.point = pointInMedium(path.ray, s->t);
-    optical = path.optical;
+    hit.point = pointInMedium(path.walk.ray, s->t);
+    optical = path.walk.optical;
     optical.travel(s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
     addLightInMedia(scene, vertex(hit, spectral), s->light, s->index, 1 / s->reciprocalPdf, panes, random,
@@ -95,25 +91,26 @@ void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, cons
                                     const RayTransmittance& transmittance, const Rgb& throughput,
                                     CameraState camera, PathRadiance& out) const {
   const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState, float length) {
-    const float f = medium.phase->value(-glm::dot(flight, path.ray.direction));
+    const float f = medium.phase->value(-glm::dot(flight, path.walk.ray.direction));
     ++out.counts.photonsFound;
     out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f,
-            path.optical.at(t) + length);
+            path.walk.optical.at(t) + length);
   };
   const MediaPhotons& inMedia = photons.inMedia();
-  inMedia.points.visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
+  inMedia.points.visitAlong(path.walk.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
     if (p.medium != number) return;
     const Vec3f flight = unpackDirection(p.direction);
     add(flight, p.power * kernel, t, p.pathState,
-        lengthNear(path.ray.at(t), p.position, -flight, inMedia.points.pathLength(p), path.optical.index));
+        lengthNear(path.walk.ray.at(t), p.position, -flight, inMedia.points.pathLength(p),
+                   path.walk.optical.index));
   });
   if (inMedia.beams.size() == 0 || !medium.isHomogeneous()) return;
-  const MediumPoint point = medium.at(path.ray.origin);
+  const MediumPoint point = medium.at(path.walk.ray.origin);
   const Rgb extinction = point.extinction(), relative = extinction - thinnest(extinction);
-  inMedia.beams.visitAlong(path.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
+  inMedia.beams.visitAlong(path.walk.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
     if (b.medium == number)
       add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
-          b.pathState, inMedia.beams.pathLength(b) + path.optical.index * s);
+          b.pathState, inMedia.beams.pathLength(b) + path.walk.optical.index * s);
   });
 }
 

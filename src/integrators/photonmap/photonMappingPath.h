@@ -7,7 +7,7 @@
 
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/directLight.h"
-#include "transport/paths/walk.h"
+#include "transport/paths/walker.h"
 #include "transport/weights/mergeWeights.h"
 
 namespace recurse {
@@ -33,19 +33,12 @@ struct SharedRay {
   float cosine = 0;  ///< cosine at the surface that the ray leaves
 };
 
-/** State of a camera path. */
+/** Camera path: the walk, and its weights against photons. */
 struct PathState {
-  CameraRay ray;
-  CameraState camera;
-  Nesting nesting;
-  Rgb throughput{1};
+  CameraSubpath walk;
   float remainingWeight = 1; ///< weight of the path's light that photons at earlier vertices left to it
-  float etaScale = 1;        ///< cancels the factor 1/η² inside glass
   float mediaScale = 1;      ///< cancels the attenuation by media, which must not prune a branch
-  int depth = 0;             ///< number of scattering events
   int nonDelta = 0;          ///< number of scattering events by non-delta lobes
-  float wavelength = 0;      ///< wavelength, see Subpath
-  OpticalPath optical;       ///< optical length, see Subpath
   // State since the last non-delta scattering event, or since the camera:
   float distance = 0;                ///< length of the path [scene units]
   bool delta = false;                ///< through mirrors and glass, thin panes excluded
@@ -61,21 +54,24 @@ struct PathState {
   int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 
   /** Throughput of light that photons at earlier vertices represent as well. */
-  Rgb sharedThroughput() const { return throughput * remainingWeight; }
+  Rgb sharedThroughput() const { return walk.throughput * remainingWeight; }
 
-  /** Path after a scattering event; `pane`: it went straight through a thin pane. */
-  PathState after(const Hit& hit, const Scatter& s, bool pane = false) const {
+  /** Path after a scattering event by a delta lobe; `pane`: it went straight through a thin pane. */
+  PathState afterDelta(const CameraWalker& walker, const CameraVertex& vertex, const Scatter& s,
+                       bool pane) const {
     PathState next = *this;
-    next.nesting.scatters(hit, -ray.direction, s.direction);
-    next.throughput *= s.weight;
-    next.throughput *= dispersedColour(hit.point, s, next.wavelength);
-    next.etaScale *= square(s.eta);
-    next.optical.scatter(s.eta);
-    static_cast<Ray&>(next.ray) = spawn(hit.point, s.direction);
-    if (s.specular()) {
-      (pane ? next.panes : next.delta) = true;
-      next.merge.leave(s.direction, hit.point);
-    }
+    walker.follow(next.walk, vertex, s);
+    (pane ? next.panes : next.delta) = true;
+    next.merge.leave(s.direction, vertex.point());
+    return next;
+  }
+  /** Path after a scattering event by a non-delta lobe. Its weights are not set. */
+  PathState afterNonDelta(const CameraWalker& walker, const CameraVertex& vertex, const Scatter& s) const {
+    PathState next = *this;
+    walker.follow(next.walk, vertex, s);
+    ++next.nonDelta;
+    next.distance = 0;
+    next.delta = next.panes = false;
     return next;
   }
 };

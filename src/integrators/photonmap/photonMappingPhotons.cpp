@@ -10,7 +10,7 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
   gather.leavesLightToRays =
       mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !settings.directLight;
   if (path.nonDelta == 0 && gather.leavesLightToRays) {
-    photons.weighAgainstRays(query, path.ray.width);
+    photons.weighAgainstRays(query, path.walk.width);
     return;
   }
   if (mayGoOn() && photons.hasTooFewPhotons()) {
@@ -26,10 +26,11 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
 
 GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer,
                                        const IrradianceCache& cache, const PhotonQuery& query,
-                                       const ScatteringPoint& scattering, const SurfacePoint& point,
-                                       const PathState& path, const Sampler& sampler,
-                                       PathRadiance& out) const {
-  const Vec3f wi = -path.ray.direction;
+                                       const CameraVertex& vertex, const PathState& path,
+                                       const Sampler& sampler, PathRadiance& out) const {
+  const ScatteringPoint& scattering = *vertex.scattering;
+  const SurfacePoint& point = vertex.point();
+  const Vec3f& wi = vertex.wi;
   const bool isCaustic = &layer == &photons.caustics();
   const auto beginEstimate = [&] {
     if (out.recorder) out.recorder->beginEstimate(path.recordedVertex, isCaustic);
@@ -45,7 +46,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
                         settings.edges ? &boundary : nullptr, counts);
     });
     if (!isBlack(e))
-      out.add(LightState(0), path.camera,
+      out.add(LightState(0), path.walk.state,
               path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
     GatherResult weights;
     weights.merging = mergingWithin(search.merging, square(search.radius));
@@ -53,7 +54,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
-  const float footprint = path.ray.width * photons.scale();
+  const float footprint = path.walk.width * photons.scale();
   if (!isTaken(query.settings, sampler)) {
     GatherResult weights;
     weights.merging = mergingUnseen(query.settings, footprint);
@@ -64,10 +65,10 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
                               query.cached.away};
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(),
-             path.camera, out, settings.edges ? &boundary : nullptr, path.optical);
+             path.walk.state, out, settings.edges ? &boundary : nullptr, path.walk.optical);
   if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
   KernelRadii& radii = isCaustic ? out.counts.causticRadii : out.counts.otherRadii;
-  radii.add(result.radius, path.ray.width);
+  radii.add(result.radius, path.walk.width);
   return result;
 }
 

@@ -21,7 +21,7 @@ std::vector<Row> followCameraPaths(const Scene& scene, int across, int maxDepth,
   std::vector<TransportCounts> rowCounts(rows.size());
   const PixelBounds film = scene.film().whole();
   parallelFor(rows.size(), [&](size_t y) {
-    CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, false);
+    CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, InMedia::IGNORE);
     for (int x = 0; x < across; ++x) {
       Sampler sampler(seed, y, static_cast<uint32_t>(x));
       CameraSample sample;

@@ -34,16 +34,17 @@ template <class State> struct Subpath {
   int depth = 0;     ///< number of scattering events of the subpath
   /** Density of the ray's direction [1/sr]; for parallel rays, of their position across them [1/area]. */
   double pdf = 1;
-  bool parallel = false;   ///< the ray starts at an infinite light, or at a camera with parallel rays
-  bool delta = false;      ///< the last event was a delta scattering
-  float cosine = 1;        ///< cosine at the vertex that the ray left, to its geometric normal; 1 without
-  Vec3f from{0};           ///< position of the vertex that the ray left
-  float etaScale = 1;      ///< undoes the 1/η² of radiance inside glass, for Russian roulette only
-  float width = 0;         ///< width of the pixel footprint at the ray's origin [scene units]; 0: unknown
-  float spread = 0;        ///< growth of the footprint per unit of distance
-  float sampleSpacing = 1; ///< see CameraRay
-  float wavelength = 0;    ///< wavelength of dispersed light [nm]; 0: white light
-  OpticalPath optical;     ///< up to the ray's origin; up to the next vertex once it is found
+  bool parallel = false;    ///< the ray starts at an infinite light, or at a camera with parallel rays
+  bool delta = false;       ///< the last event was a delta scattering
+  float cosine = 1;         ///< cosine at the vertex that the ray left, to its geometric normal; 1 without
+  Vec3f from{0};            ///< position of the vertex that the ray left
+  float etaScale = 1;       ///< undoes the 1/η² of radiance inside glass, for Russian roulette only
+  float width = 0;          ///< width of the pixel footprint at the ray's origin [scene units]; 0: unknown
+  float spread = 0;         ///< growth of the footprint per unit of distance
+  float sampleSpacing = 1;  ///< see CameraRay
+  float wavelength = 0;     ///< wavelength of dispersed light [nm]; 0: white light
+  OpticalPath optical;      ///< up to the ray's origin; up to the next vertex once it is found
+  LobeSet needed = NO_LOBE; ///< the path ends at a material without any of these lobes; NO_LOBE: at none
   // Spectral state in media:
   Rgb pathPdf{1}, lightPdf{1}; ///< see SpectralPath, whose third member is `throughput`
   int hero = 0;                ///< colour channel that draws distances

@@ -26,16 +26,23 @@ inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& c
   return path;
 }
 
+/** What a walk does in media. */
+enum class InMedia {
+  SCATTER, ///< samples scattering events
+  PASS,    ///< passes them; the callback `flight` of next() attenuates the path
+  IGNORE
+};
+
 template <class State> class Walker {
  public:
   using Path = Subpath<State>;
   using Vertex = PathVertex<State>;
 
-  /** `maxDepth`: maximum scattering events; -1: no limit. `throughMedia` false: media are ignored. */
+  /** `maxDepth`: maximum scattering events; -1: no limit. */
   Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth,
-         bool throughMedia = true)
+         InMedia inMedia = InMedia::SCATTER)
       : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth),
-        media(throughMedia && scene.hasMedia()) {}
+        scatters(inMedia == InMedia::SCATTER), media(inMedia != InMedia::IGNORE && scene.hasMedia()) {}
 
   /**
    * Follows the ray to the next scattering event, at a surface or in a medium. Calls emission(const Hit*) for
@@ -52,10 +59,10 @@ template <class State> class Walker {
       vertex.medium = nullptr;
       if (media && isHit) path.nesting.approach(vertex.hit, path.ray.direction);
       if (media) {
-        const bool scatters =
+        const bool isEvent =
             sampleMedium(path, vertex, isHit ? vertex.hit.t : INFINITE, sampler, mediumEmission, flight);
-        if (isBlack(path.throughput) || (scatters && endsByDepth(path))) return false;
-        if (scatters) {
+        if (isBlack(path.throughput) || (isEvent && endsByDepth(path))) return false;
+        if (isEvent) {
           arriveInMedium(path, vertex);
           return true;
         }
@@ -67,6 +74,7 @@ template <class State> class Walker {
       path.optical.travel(vertex.hit.t);
       if (vertex.hit.areaLight) emission(&vertex.hit);
       path.width += path.spread * vertex.hit.t;
+      if (path.needed && vertex.hit.material && !(vertex.hit.material->lobes() & path.needed)) return false;
       arena.reset();
       const Footprint footprint =
           path.width > 0 ? Footprint{path.ray.direction, path.width * path.sampleSpacing} : Footprint();
@@ -145,6 +153,7 @@ template <class State> class Walker {
     const Medium* medium = scene.medium(number);
     if (!medium) return false;
     flight(number, end);
+    if (!scatters) return false;
     const float before = channelSum(path.throughput);
     SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
     const Collision c =
@@ -245,7 +254,7 @@ template <class State> class Walker {
   const PathClasses& classes;
   TransportCounts& counts;
   int maxDepth;
-  bool media;
+  bool scatters, media;
   BsdfArena arena;
 };
 
