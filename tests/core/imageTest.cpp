@@ -263,6 +263,25 @@ TEST_F(ImageFiles, TemporaryFilesGoWithTheirWriter) {
   EXPECT_EQ(filesInFolder(), 1u);
 }
 
+TEST_F(ImageFiles, TemporaryFilesOfOthersStayWhatTheyAre) {
+  const std::string prefix = ".recurse-" + std::to_string(::getpid()) + "-";
+  unsigned used = 0;
+  {
+    const AtomicFile shown(file("a"));
+    const std::string name = fs::directory_iterator(folder)->path().filename().string();
+    ASSERT_TRUE(name.starts_with(prefix)) << name;
+    used = static_cast<unsigned>(std::stoul(name.substr(prefix.size())));
+  }
+  // As left by processes with the same id in other containers.
+  const std::string next = file(prefix + std::to_string(used + 1) + ".tmp"),
+                    afterNext = file(prefix + std::to_string(used + 2) + ".tmp");
+  for (const std::string& name : {next, afterNext}) std::ofstream(name) << "of another";
+  writeFileAtomically(file("a"), "own");
+  EXPECT_EQ(contents(file("a")), "own");
+  for (const std::string& name : {next, afterNext}) EXPECT_EQ(contents(name), "of another");
+  EXPECT_EQ(filesInFolder(), 3u);
+}
+
 TEST_F(ImageFiles, LinksModesAndDevicesStayWhatTheyAre) {
   writeFileAtomically(file("real"), "1");
   fs::permissions(file("real"), fs::perms::owner_read | fs::perms::owner_write);
