@@ -133,7 +133,7 @@ struct PixelBounds {
 /** Settings of the Film directive. */
 struct FilmSettings {
   int width = 1280, height = 720;
-  PixelBounds crop; ///< pixels that are rendered
+  PixelBounds crop = whole(); ///< pixels that are rendered
   /** All pixels: learning uses these, so that a crop is a part of the same image. */
   PixelBounds whole() const { return {0, 0, width, height}; }
   std::string fileName;
