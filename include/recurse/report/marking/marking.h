@@ -66,7 +66,7 @@ struct ClassMark {
   ClassState state = ClassState::UNKNOWN;
   double certainty = 0;                 ///< probability of the state
   double factor = 1, standardError = 0; ///< mean factor where the state holds
-  double toldFraction = 0;              ///< fraction of the picture: regions that show the class's state
+  double visibleFraction = 0;           ///< fraction of the picture: regions that show the class's state
   double stateFraction = 0;             ///< fraction of these regions that are in this state
 };
 
