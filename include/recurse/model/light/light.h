@@ -61,7 +61,7 @@ struct LeSample : LeRay { ///< the origin is already offset from an emitting sur
  * caller decides on their source. */
 struct LeRandom {
   float pick = 0; ///< chooses a part of the light
-  Vec2f place;
+  Vec2f position;
   Vec2f direction;
   float time = 0; ///< Ray::time of the photon
 };
