@@ -90,8 +90,8 @@ class Camera {
   virtual WePdf pdfWe(const Ray& /*ray*/) const { return {}; }
 
   /** Ray::time at a fraction, in [0, 1), of the exposure, clamped to [0, 1]. */
-  float timeAt(float part) const {
-    return std::clamp(shutterOpen + part * (shutterClose - shutterOpen), 0.0f, 1.0f);
+  float timeAt(float exposureFraction) const {
+    return std::clamp(shutterOpen + exposureFraction * (shutterClose - shutterOpen), 0.0f, 1.0f);
   }
   /** Duration of the exposure [time of TransformTimes]; scales the image, as in pbrt-v4. */
   float exposureTime() const { return exposure; }
