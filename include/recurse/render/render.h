@@ -29,8 +29,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
                         const std::function<void(const RenderProgress&)>& progress,
                         const std::function<void(const std::string&)>& log);
 
-/** Runs only the first pass: `notes` of the statistics describe the choices of the integrator. */
-RenderStatistics shootFirstPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
-                                const RenderSettings& settings);
+/** Runs only the first forward pass: `notes` of the statistics describe the choices of the integrator. */
+RenderStatistics runFirstForwardPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                                     const RenderSettings& settings);
 
 } // namespace recurse
