@@ -139,7 +139,7 @@ class DiffuseArea final : public AreaLight {
     light->distance = distance;
     light->radiance = l * opacity(s->point);
     light->pdf = s->pdf;
-    light->delta = !isIntersectable();
+    light->unhittable = !isIntersectable();
     light->normal = s->point.geometricNormal;
     light->primitive = s->primitive;
     return light;

@@ -234,7 +234,7 @@ TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
       const auto s = light->sampleLi(from, u.pick, u.position);
       if (!s) continue;
       ASSERT_NEAR(glm::length(s->direction), 1, 1e-5) << light.text;
-      ASSERT_EQ(s->delta, light->isDelta()) << light.text;
+      ASSERT_EQ(s->unhittable, light->isDelta()) << light.text;
       ASSERT_EQ(s->distance == INFINITE, light.light->isInfinite()) << light.text;
       if (!light.light->isInfinite()) {
         ASSERT_NEAR(glm::distance(from + s->direction * s->distance, s->target), 0, 1e-4) << light.text;

@@ -270,7 +270,7 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                   const LightSampleContext place = lightSampleContext(guide, point, wi);
                   const ChosenLight chosen = guide.choose(scene->lights(), place, pick);
                   const auto light = chosen.light->sampleLi(point.position, pick, u);
-                  if (!light || light->delta || !(light->pdf > 0)) return;
+                  if (!light || light->unhittable || !(light->pdf > 0)) return;
                   Hit hit;
                   bool escaped = false;
                   if (!findLight(*scene, point, light->direction, *chosen.light, hit, escaped)) return;
@@ -359,7 +359,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
     const Rgb alone = scattering.evaluate(wi, light->direction) * light->radiance /
                       (chosen.probability * light->pdf * float(n));
     if (isBlack(alone) || !visible(scene, at, wi, *light, {}, counts)) continue;
-    if (light->delta) {
+    if (light->unhittable) {
       sum += alone;
       continue;
     }
