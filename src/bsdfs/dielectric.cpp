@@ -80,7 +80,8 @@ class FilmedRoughDielectric final : public RoughDielectricBsdf {
   float pdf(const Vec3f& wi, const Vec3f& wo) const override {
     DielectricInterface::Facet f;
     if (!surface.facet(wi, wo, f)) return 0;
-    return mean(factor(wi, wo, f)) * surface.pdf(wi, wo, wi.z * wo.z > 0 ? REFLECTION : TRANSMISSION);
+    return channelSum(factor(wi, wo, f)) / 3 *
+           surface.pdf(wi, wo, wi.z * wo.z > 0 ? REFLECTION : TRANSMISSION);
   }
   std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
     const float side = wi.z > 0 ? 1.0f : -1.0f;
@@ -88,14 +89,14 @@ class FilmedRoughDielectric final : public RoughDielectricBsdf {
     const float c = std::min(glm::dot(wi, m), 1.0f);
     if (!(c > 0)) return {};
     const DielectricFresnel bare = dielectricFresnel(c, surface.relative(wi));
-    const float reflected = bare.reflectance < 1
-                                ? mean(film.reflectance(side > 0 ? c : bare.cosTransmitted, Rgb(surface.eta)))
-                                : 1;
+    const float reflected =
+        bare.reflectance < 1
+            ? channelSum(film.reflectance(side > 0 ? c : bare.cosTransmitted, Rgb(surface.eta))) / 3
+            : 1;
     return surface.sample(wi, u, 0, pick < reflected ? REFLECTION : TRANSMISSION);
   }
 
  private:
-  static float mean(const Rgb& c) { return (c.r + c.g + c.b) / 3; }
   /** Reflectance or transmittance of a facet. */
   Rgb factor(const Vec3f& wi, const Vec3f& wo, const DielectricInterface::Facet& f) const {
     const bool isReflection = wi.z * wo.z > 0;

@@ -156,8 +156,7 @@ class HairBsdf final : public Bsdf {
       attenuation[2] = attenuation[1] * transmitted * f;
       attenuation[3] = f < 1 ? attenuation[2] * f * transmitted / (1.0 - transmitted * f) : Rgbd(0);
       double total = 0;
-      for (size_t p = 0; p < LOBES; ++p)
-        total += chance[p] = (attenuation[p].r + attenuation[p].g + attenuation[p].b) / 3;
+      for (size_t p = 0; p < LOBES; ++p) total += chance[p] = channelSum(attenuation[p]) / 3;
       if (total == 0) chance[0] = total = 1; // everything is absorbed
       for (double& c : chance) c /= total;
     }

@@ -79,7 +79,7 @@ void registerRgbFilm(PlugIns& plugIns) {
          setColours(p, *film);
          film->width = p.integer("xresolution");
          film->height = p.integer("yresolution");
-         film->crop = {0, 0, film->width, film->height};
+         film->crop = film->whole();
          if (p.has("pixelbounds")) {
            const std::vector<int> b = p.integers("pixelbounds");
            film->crop = {b[0], b[2], b[1], b[3]};

@@ -98,11 +98,11 @@ class DiffuseArea final : public AreaLight {
     // On a sphere the direction is sampled first, then a point on the side that it leaves from. The densities
     // are equal, but an emission guide can then aim photons by the direction alone.
     if (!twoSided) {
-      const Vec3f direction = uniformSphere(sample.direction), local = lobe.sample(sample.place);
+      const Vec3f direction = uniformSphere(sample.direction), local = lobe.sample(sample.position);
       if (const auto s = shape().pointWithNormal(Frame(direction).toWorld(local)))
         return leaving(*s, direction, s->point.geometricNormal, local.z, 1);
     }
-    const ShapeSample s = shape().sampleArea(sample.pick, sample.place);
+    const ShapeSample s = shape().sampleArea(sample.pick, sample.position);
     if (!(s.pdf > 0)) return {};
     Vec3f normal = s.point.geometricNormal;
     float sides = 1;
@@ -139,7 +139,7 @@ class DiffuseArea final : public AreaLight {
     light->distance = distance;
     light->radiance = l * opacity(s->point);
     light->pdf = s->pdf;
-    light->delta = !isIntersectable();
+    light->unhittable = !isIntersectable();
     light->normal = s->point.geometricNormal;
     light->primitive = s->primitive;
     return light;

@@ -15,7 +15,7 @@ class Distant final : public Light {
   void prepare(const SceneBounds& b) override { bounds = b; }
   Rgb power() const override { return irradiance * (PI * square(bounds.radius)); }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    const Vec2f d = uniformDisk(sample.place) * bounds.radius;
+    const Vec2f d = uniformDisk(sample.position) * bounds.radius;
     return LeSample{{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z},
                     irradiance,
                     bounds.pdfDisc(),

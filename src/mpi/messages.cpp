@@ -4,12 +4,17 @@
 #include "mpi/messages.h"
 
 #include <cstring>
+#include <type_traits>
 
 #include <mpi.h>
 
 namespace recurse::apps {
 
 namespace {
+
+// Ranks, which all run the same program, exchange these as bytes.
+static_assert(std::is_trivially_copyable_v<Command> && std::is_trivially_copyable_v<Report> &&
+              std::is_trivially_copyable_v<WorkUnit>);
 
 enum Tag { COMMAND = 1, REPORT = 2 };
 

@@ -43,17 +43,17 @@ ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEv
     if (examples.empty() && !automata[i].isEmpty()) examples = {automata[i].shortestWord()};
     entries.push_back({classes[i], automata[i], std::move(examples)});
   }
-  std::string renderable;
+  std::string renderingNote;
   try {
     const PathClasses joint(classes, anyNames(namesIn(classes)));
-    renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
-                 " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
-                 " on the side of the camera";
+    renderingNote = "rendered at once with " + std::to_string(joint.lightStateCount()) +
+                    " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
+                    " on the side of the camera";
   } catch (const Error& e) {
-    renderable = std::string("not to be rendered: ") + e.what();
+    renderingNote = std::string("not to be rendered: ") + e.what();
   }
   return {std::move(entries), findOverlaps(automata), leftOver(PathAutomaton::compile("all"), automata),
-          std::move(renderable)};
+          std::move(renderingNote)};
 }
 
 std::string ClassesReport::text() const {
@@ -84,7 +84,7 @@ std::string ClassesReport::text() const {
     out += "\n";
     out += byLength(words);
   }
-  return out + renderable + "\n";
+  return out + renderingNote + "\n";
 }
 
 std::string namedClassesText() {

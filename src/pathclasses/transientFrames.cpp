@@ -23,7 +23,7 @@ std::string TransientFrames::layerName(size_t layer) const {
   return FRAME + std::string(DIGITS - std::min(DIGITS, number.size()), '0') + number;
 }
 
-std::string TransientFrames::text() const { return formatted("%.9g:%.9g:%zu", double(begin), end, count); }
+std::string TransientFrames::text() const { return formatted("%.9g:%.9g:%zu", begin, end, count); }
 
 bool TransientFrames::isFrameName(const std::string& name) { return name.starts_with(FRAME); }
 

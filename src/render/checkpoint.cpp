@@ -79,7 +79,7 @@ Json toJson(const std::optional<std::vector<WorkUnit>>& left) {
   if (!left) return nullptr;
   Json out = Json::array();
   for (const WorkUnit& u : *left)
-    out.push_back({u.firstSample, u.endSample, u.firstTile, u.endTile, u.splats});
+    out.push_back({u.firstSample, u.endSample, u.firstTile, u.endTile, int(u.includesSplats)});
   return out;
 }
 
@@ -172,7 +172,8 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     if (splatUnit > 0) c.film.enableSplats(splatUnit);
     if (const Json& left = json.at("left"); !left.is_null()) {
       c.position.left.emplace();
-      for (const Json& u : left) c.position.left->push_back({u.at(0), u.at(1), u.at(2), u.at(3), u.at(4)});
+      for (const Json& u : left)
+        c.position.left->push_back({u.at(0), u.at(1), u.at(2), u.at(3), u.at(4).get<int>() != 0});
     }
     for (const Json& p : json.at("parts")) c.parts.push_back({p.at(0), p.at(1), p.at(2)});
     if (c.parts.empty()) fail("the checkpoint is damaged");

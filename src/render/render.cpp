@@ -292,8 +292,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   return RenderLoop(scene, integrator, classes, settings, film, stop, progress, log).run();
 }
 
-RenderStatistics shootFirstPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
-                                const RenderSettings& settings) {
+RenderStatistics runFirstForwardPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                                     const RenderSettings& settings) {
   Film film(scene.film().crop, classes.layerCount());
   SampleRenderer renderer(scene, integrator, classes, settings, film, {});
   ForwardControl control;

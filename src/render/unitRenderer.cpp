@@ -113,7 +113,7 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
   WorkUnit rest = unit;
   while (rest.firstSample < rest.endSample && !stopping) {
     const int64_t pass = renderer.passOf(rest.firstSample);
-    const bool splats = rest.splats && film.splats() && rest.firstSample == renderer.passBegin(pass);
+    const bool splats = rest.includesSplats && film.splats() && rest.firstSample == renderer.passBegin(pass);
     if (shotPass != pass || splats) {
       // Pass 0 has to be shot before any later one.
       if (!shotPass && pass > 0 && !renderer.shootPass(0, false, control)) break;
@@ -124,7 +124,7 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
     }
     WorkUnit now = rest;
     now.endSample = std::min(rest.endSample, renderer.passEnd(pass));
-    now.splats = 0;
+    now.includesSplats = false;
     for (const WorkUnit& tiles : renderPass(now)) left.push_back(tiles);
     rest.firstSample = now.endSample;
   }

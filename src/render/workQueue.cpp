@@ -78,7 +78,7 @@ std::optional<WorkUnit> WorkQueue::take(double wanted, int workers) {
   WorkUnit right = unit, below = front;
   right.firstTile = unit.endTile;
   right.endTile = front.endTile;
-  right.splats = 0; // splats belong to the first tile
+  right.includesSplats = false; // splats belong to the first tile
   below.firstSample = unit.endSample;
   units.erase(units.begin());
   giveBack(right);

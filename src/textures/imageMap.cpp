@@ -59,7 +59,7 @@ std::unique_ptr<Texture> makeImageMap(const Parameters& p, const TextureContext&
            : wrap == "black" ? ImageTextureSettings::Wrap::BLACK
            : wrap == "clamp" ? ImageTextureSettings::Wrap::CLAMP
                              : ImageTextureSettings::Wrap::OCTAHEDRAL;
-  s.mostAnisotropy = static_cast<float>(p.real("maxanisotropy"));
+  s.maxAnisotropy = static_cast<float>(p.real("maxanisotropy"));
   const ImageEncoding encoding = encodingOf(p);
   const std::string channel = p.string("channel");
   s.channels = channel == "red"     ? ImageChannels::RED

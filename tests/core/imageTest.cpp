@@ -14,13 +14,16 @@
 #include <random>
 #include <sstream>
 
+#include <fcntl.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "picturesWithAlpha.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/error.h"
+#include "recurse/core/io/files.h"
 #include "recurse/core/threads/resources.h"
 
 using namespace recurse;
@@ -261,6 +264,36 @@ TEST_F(ImageFiles, TemporaryFilesGoWithTheirWriter) {
   AtomicFile interrupted(file("b.json"));
   removeTemporaryFiles();
   EXPECT_EQ(filesInFolder(), 1u);
+}
+
+TEST_F(ImageFiles, TemporaryFilesOfOthersStayWhatTheyAre) {
+  const std::string prefix = ".recurse-" + std::to_string(::getpid()) + "-";
+  unsigned used = 0;
+  {
+    const AtomicFile shown(file("a"));
+    const std::string name = fs::directory_iterator(folder)->path().filename().string();
+    ASSERT_TRUE(name.starts_with(prefix)) << name;
+    used = static_cast<unsigned>(std::stoul(name.substr(prefix.size())));
+  }
+  // As left by processes with the same id in other containers.
+  const std::string next = file(prefix + std::to_string(used + 1) + ".tmp"),
+                    afterNext = file(prefix + std::to_string(used + 2) + ".tmp");
+  for (const std::string& name : {next, afterNext}) std::ofstream(name) << "of another";
+  writeFileAtomically(file("a"), "own");
+  EXPECT_EQ(contents(file("a")), "own");
+  for (const std::string& name : {next, afterNext}) EXPECT_EQ(contents(name), "of another");
+  EXPECT_EQ(filesInFolder(), 3u);
+}
+
+TEST_F(ImageFiles, OpenPipesAreStreamsButOpenFoldersAreNot) {
+  ASSERT_EQ(::mkfifo(file("pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(isOpenStream(file("pipe")));
+  const int pipe = ::open(file("pipe").c_str(), O_RDWR), opened = ::open(folder.c_str(), O_RDONLY);
+  EXPECT_TRUE(isOpenStream(file("pipe")));
+  EXPECT_FALSE(isOpenStream(folder.string()));
+  EXPECT_THROW(requireReadable(folder.string()), Error);
+  ::close(pipe);
+  ::close(opened);
 }
 
 TEST_F(ImageFiles, LinksModesAndDevicesStayWhatTheyAre) {

@@ -249,6 +249,12 @@ template <class Use> void forEachSplat(const Use& use) {
 
 } // namespace
 
+TEST(FilmSettings, RenderTheWholeFilmUnlessCropped) {
+  const FilmSettings film;
+  EXPECT_EQ(film.crop.width(), film.width);
+  EXPECT_EQ(film.crop.height(), film.height);
+}
+
 TEST(Splats, AreTheSameBitsInAnyOrder) {
   Diagnostics diagnostics;
   const auto filter = plugIns().filters.make(parseParameterText("mitchell", ""), {}, diagnostics);

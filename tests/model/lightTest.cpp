@@ -72,8 +72,8 @@ const std::vector<LightUse>& everyLight() {
 LeRandom leRandom(uint32_t index) {
   Sampler sampler(1, 2, index);
   const float pick = sampler.next1D();
-  const Vec2f place = sampler.next2D();
-  return {pick, place, sampler.next2D()};
+  const Vec2f position = sampler.next2D();
+  return {pick, position, sampler.next2D()};
 }
 
 /** Mean and standard error of what is added. */
@@ -231,10 +231,10 @@ TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
   for (const LightUse& light : everyLight())
     for (uint32_t i = 0; i < 1000; ++i) {
       const LeRandom u = leRandom(i);
-      const auto s = light->sampleLi(from, u.pick, u.place);
+      const auto s = light->sampleLi(from, u.pick, u.position);
       if (!s) continue;
       ASSERT_NEAR(glm::length(s->direction), 1, 1e-5) << light.text;
-      ASSERT_EQ(s->delta, light->isDelta()) << light.text;
+      ASSERT_EQ(s->unhittable, light->isDelta()) << light.text;
       ASSERT_EQ(s->distance == INFINITE, light.light->isInfinite()) << light.text;
       if (!light.light->isInfinite()) {
         ASSERT_NEAR(glm::distance(from + s->direction * s->distance, s->target), 0, 1e-4) << light.text;
@@ -285,7 +285,7 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
       const LeRandom u = leRandom(i);
       const Vec2f on = uniformDisk(u.direction) * RADIUS;
       const Vec3f point = center + frame.x * on.x + frame.y * on.y;
-      const auto l = light->sampleLi(point, u.pick, u.place);
+      const auto l = light->sampleLi(point, u.pick, u.position);
       const bool sees = l && !blocked(l->target, -l->direction, l->distance);
       double brought = 0;
       if (sees)

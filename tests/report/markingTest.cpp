@@ -139,7 +139,8 @@ void expectFound(const Marking& marking, const Mistake& mistake) {
     EXPECT_EQ(mark.state, stateOf(made->second)) << mark.name;
     EXPECT_GT(mark.certainty, 0.9) << mark.name;
     EXPECT_NEAR(mark.factor, made->second, 0.1 + 3 * mark.standardError) << mark.name;
-    EXPECT_TRUE(mark.toldFraction == 0 || mark.stateFraction > 0.8) << mark.name << " " << mark.stateFraction;
+    EXPECT_TRUE(mark.visibleFraction == 0 || mark.stateFraction > 0.8)
+        << mark.name << " " << mark.stateFraction;
   }
 }
 

@@ -223,5 +223,22 @@ TEST(Plot, PutsPointsWhereTheirLogarithmsAre) {
   }
 }
 
+TEST(Plot, KeepsSlopesOfBothSignsWithinTheAxes) {
+  for (const double slope : {-3.0, 3.0}) {
+    // Two decades of x, and one of y above and below the first point.
+    const FigurePlot plot{"", "x", "y", {{"curve", Rgb(1, 0, 0), {{1, 1}, {10, 10}, {100, .1}}}}, slope};
+    const std::vector<FigurePanel> panels = {{Image(8, 8, {"R", "G", "B"}), "panel"}};
+    std::vector<Vec2f> curve, dashed;
+    for (const FigureDrawing::Line& line : figureSheet("title", "subtitle", panels, &plot).lines) {
+      if (line.colour == Rgb(1, 0, 0) && line.points.size() > 2) curve = line.points;
+      if (line.dashed && dashed.empty()) dashed = line.points;
+    }
+    ASSERT_EQ(dashed.size(), 2u);
+    EXPECT_EQ(dashed[0], curve[0]);
+    EXPECT_NEAR(dashed[1].y, (slope < 0 ? curve[2] : curve[1]).y, 0.1f) << slope; // the edge of the axes
+    EXPECT_NEAR(dashed[1].x - dashed[0].x, (curve[1].x - curve[0].x) / 3, 0.1f) << slope;
+  }
+}
+
 } // namespace
 } // namespace recurse

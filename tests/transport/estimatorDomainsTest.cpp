@@ -89,10 +89,25 @@ TEST(EstimatorDomains, PartitionByAutomata) {
         EXPECT_TRUE(paths.intersect(PathAutomaton::compile(domains[j].expression)).isEmpty())
             << nameOf(way) << ": " << domains[i].estimator << " and " << domains[j].estimator;
       }
-      covered = covered.unite(paths);
+      if (!domains[i].onlyPanes) covered = covered.unite(paths);
     }
     EXPECT_TRUE(PathAutomaton::compile(whatToCover(*integrator)).subsetOf(covered)) << nameOf(way);
   }
+}
+
+TEST(EstimatorDomains, EstimatorsOfPanesAloneCoverNothing) {
+  std::vector<EstimatorDomain> domains = {{"emission", "LS*E", "", ""},
+                                          {"shadow rays", "LD(S|D)*E", "", ""},
+                                          {"shadow rays through panes", "LS+D(S|D)*E", "", ""}};
+  EXPECT_TRUE(checkDomains(domains, "surface").sound());
+  domains.back().onlyPanes = true;
+  const DomainReport report = checkDomains(domains, "surface");
+  EXPECT_TRUE(report.overlaps.empty());
+  EXPECT_FALSE(report.uncovered.empty());
+  EXPECT_EQ(report.uncoveredExpression, missedOfDeltaLights(domains));
+  domains.push_back(domains.front());
+  domains.back().expression = "LS+DE";
+  EXPECT_EQ(checkDomains(domains, "surface").overlaps.size(), 1u); // shared with the panes' estimator
 }
 
 /** Soundness is no accident of a check that sees nothing: every single spoilt list is found out. */
@@ -255,7 +270,7 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                   const LightSampleContext place = lightSampleContext(guide, point, wi);
                   const ChosenLight chosen = guide.choose(scene->lights(), place, pick);
                   const auto light = chosen.light->sampleLi(point.position, pick, u);
-                  if (!light || light->delta || !(light->pdf > 0)) return;
+                  if (!light || light->unhittable || !(light->pdf > 0)) return;
                   Hit hit;
                   bool escaped = false;
                   if (!findLight(*scene, point, light->direction, *chosen.light, hit, escaped)) return;
@@ -344,7 +359,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
     const Rgb alone = scattering.evaluate(wi, light->direction) * light->radiance /
                       (chosen.probability * light->pdf * float(n));
     if (isBlack(alone) || !visible(scene, at, wi, *light, {}, counts)) continue;
-    if (light->delta) {
+    if (light->unhittable) {
       sum += alone;
       continue;
     }

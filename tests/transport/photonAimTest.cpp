@@ -43,7 +43,7 @@ std::optional<LeSample> aimed(const PhotonAim& aim, const Light& light, uint32_t
   Sampler sampler(7, 0, i);
   LeRandom start;
   start.pick = sampler.next1D();
-  start.place = sampler.next2D();
+  start.position = sampler.next2D();
   start.direction = sampler.next2D();
   std::optional<LeSample> sample = light.sampleLe(start);
   const float pick = sampler.next1D();

@@ -144,6 +144,8 @@ TEST(Transient, FramesAreHalfOpenIntervals) {
   EXPECT_EQ(TransientFrames().layerCount(), 0u);
 }
 
+TEST(Transient, TextHasTheLengthsAsGiven) { EXPECT_EQ(TransientFrames(0.1, 0.7, 3).text(), "0.1:0.7:3"); }
+
 TEST(Transient, LayersAddUpToThePictureOfTheSameSamples) {
   const auto scene = sceneFrom(glassAndMirrorBox(16));
   const PathClasses classes = framed({6, 12, 70}); // more than a LayerMask has bits

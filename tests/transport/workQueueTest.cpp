@@ -25,13 +25,13 @@ TEST(WorkQueue, EverySampleOnceAndTheSplatsOfEveryPassOnce) {
           WorkUnit rest = begun;
           rest.firstTile += int64_t(random()) % (rest.endTile - rest.firstTile);
           begun.endTile = rest.firstTile;
-          rest.splats = begun.size() > 0 ? 0 : begun.splats;
+          rest.includesSplats = begun.size() == 0 && begun.includesSplats;
           queue.giveBack(rest);
         }
         for (int64_t s = begun.firstSample; s < begun.endSample; ++s)
           for (int64_t t = begun.firstTile; t < begun.endTile; ++t) {
             ++done[{s, t}];
-            if (begun.splats && t == begun.firstTile) ++splats[s];
+            if (begun.includesSplats && t == begun.firstTile) ++splats[s];
           }
       }
       EXPECT_EQ(done.size(), size_t(samples * tiles))

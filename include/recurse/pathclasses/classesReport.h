@@ -20,7 +20,8 @@ struct ClassesReport {
   std::vector<Entry> entries;
   std::vector<PathOverlap> overlaps; ///< all pairs of entries that share paths
   PathAutomaton leftOver;            ///< paths in none of the entries
-  std::string renderable; ///< size of the joint automata, or the reason why they cannot be rendered at once
+  /** Size of the joint automata, or the reason why they cannot be rendered at once. */
+  std::string renderingNote;
 
   /** Report for a terminal, with a line end after each line. */
   std::string text() const;

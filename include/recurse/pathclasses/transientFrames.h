@@ -17,8 +17,7 @@ class TransientFrames {
   TransientFrames() = default;
   /** `count` > 0 frames of [from, to) [scene units], from < to. */
   TransientFrames(double from, double to, size_t count)
-      : begin(static_cast<float>(from)), perLength(static_cast<float>(double(count) / (to - from))), end(to),
-        count(count) {}
+      : begin(from), end(to), perLength(static_cast<float>(double(count) / (to - from))), count(count) {}
 
   bool empty() const { return count == 0; }
   size_t frameCount() const { return count; }
@@ -26,7 +25,7 @@ class TransientFrames {
   size_t layerCount() const { return empty() ? 0 : count + 2; }
   /** Layer by the optical length [scene units]: 0 before the frames, 1 to frameCount(), one after them. */
   size_t layerOf(float length) const {
-    const float place = (length - begin) * perLength;
+    const float place = (length - static_cast<float>(begin)) * perLength;
     if (!(place >= 0)) return 0;
     return place < static_cast<float>(count) ? 1 + static_cast<size_t>(place) : count + 1;
   }
@@ -38,9 +37,8 @@ class TransientFrames {
   static bool isFrameName(const std::string& name);
 
  private:
-  float begin = 0;     ///< [scene units]
-  float perLength = 0; ///< frames per scene unit
-  double end = 0;      ///< [scene units]
+  double begin = 0, end = 0; ///< [scene units]
+  float perLength = 0;       ///< frames per scene unit
   size_t count = 0;
 };
 

@@ -31,7 +31,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
                         const std::function<void(const std::string&)>& log);
 
 /** Runs only the first forward pass: `notes` of the statistics describe the choices of the integrator. */
-RenderStatistics shootFirstPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
-                                const RenderSettings& settings);
+RenderStatistics runFirstForwardPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                                     const RenderSettings& settings);
 
 } // namespace recurse

@@ -16,7 +16,7 @@ namespace recurse {
 struct WorkUnit {
   int64_t firstSample = 0, endSample = 0;
   int64_t firstTile = 0, endTile = 0;
-  int64_t splats = 1; ///< 1: includes the splats of the light paths of passes that begin here
+  bool includesSplats = true; ///< of the light paths of passes that begin here
 
   /** Number of tile samples: samples times tiles. */
   double size() const { return double(endSample - firstSample) * double(endTile - firstTile); }

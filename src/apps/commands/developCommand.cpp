@@ -3,7 +3,7 @@
  */
 #include <filesystem>
 
-#include "apps/animation/filmFiles.h"
+#include "apps/animation/animationFiles.h"
 #include "apps/commands/commands.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/optionText.h"
@@ -28,11 +28,11 @@ void checkOutputs(const DevelopCommandOptions& o) {
   for (const std::string& name : o.outputs) {
     if (isPage(name))
       checkFileWritable(name);
-    else if (isFilmFormat(name))
-      checkFilmOutput(name, o.develop);
+    else if (isAnimationFormat(name))
+      checkAnimationOutput(name, o.develop);
     else
       checkImageWritable(name);
-    if (!isPage(name) && !isFilmFormat(name) && !isDisplayFormat(name))
+    if (!isPage(name) && !isAnimationFormat(name) && !isDisplayFormat(name))
       badUsage(
           "-o: " + name +
           " is not a picture format for displays; accepted: .png .jpg .jpeg .tif .tiff .html, for a film "
@@ -57,8 +57,8 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
       writeFileAtomically(name,
                           developPage(picture, settings, std::filesystem::path(o.input).filename().string(),
                                       o.develop.toneMap));
-    else if (isFilmFormat(name))
-      writeTransientFilm(name, picture, o.develop, frameRate);
+    else if (isAnimationFormat(name))
+      writeTransientAnimation(name, picture, o.develop, frameRate);
     else
       writeImage(name, developed.picture, {.encoded = true});
     written += (written.empty() ? "" : ", ") + name;

@@ -24,7 +24,7 @@ std::string chosenFor(const LoadedScene& loaded) {
   settings.seed = loaded.scene->sampler().seed;
   std::string text;
   for (const std::string& note :
-       shootFirstPass(*loaded.scene, *loaded.integrator, PathClasses(), settings).notes)
+       runFirstForwardPass(*loaded.scene, *loaded.integrator, PathClasses(), settings).notes)
     text += note + "\n";
   return text;
 }

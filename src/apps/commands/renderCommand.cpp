@@ -133,7 +133,7 @@ std::string integratorRemark(const RenderOptions& options, const LoadedScene& lo
 std::vector<std::string> outputsOf(const RenderCommandOptions& o, const LoadedScene& loaded) {
   if (!o.outputs.empty() || (o.sampleRange && !o.checkpoint.empty())) return o.outputs;
   const std::string name = defaultOutput(loaded);
-  return {o.frame && !isFilmFormat(name) ? numberedName(name, o.frame->number) : name};
+  return {o.frame && !isAnimationFormat(name) ? numberedName(name, o.frame->number) : name};
 }
 
 /** Keeps the errors of single files until all files have been tried. */
@@ -169,7 +169,7 @@ RenderReport reportOf(const RenderResult& result, const RenderCommandOptions& o)
 bool writeResults(RenderResult& result, const RenderCommandOptions& o,
                   const std::vector<std::string>& outputs, const FeatureSettings& features,
                   PictureWriter& writer, FilmViewers& viewers) {
-  std::optional<double> filmStops;
+  std::optional<double> animationStops;
   const RenderReport report = reportOf(result, o);
   Image image = pictureOf(result.film, report);
   const bool isComplete = addFeatures(image, report.loaded, features, result.stopFlag());
@@ -178,15 +178,15 @@ bool writeResults(RenderResult& result, const RenderCommandOptions& o,
   const auto writePicture = [&](const std::string& name) {
     if (files.attempt([&] { writer.write(name, image); })) written.push_back(name);
   };
-  const auto writeFilm = [&](const std::string& name) {
-    if (o.films)
-      o.films->add(name, writer.developedPicture(image));
+  const auto writeAnimation = [&](const std::string& name) {
+    if (o.animations)
+      o.animations->add(name, writer.developedPicture(image));
     else if (files.attempt([&] {
-               filmStops = writeTransientFilm(name, image, o.develop, parseFrameRate(o.frameRate));
+               animationStops = writeTransientAnimation(name, image, o.develop, parseFrameRate(o.frameRate));
              }))
       written.push_back(name);
   };
-  for (const std::string& name : outputs) o.isFilm(name) ? writeFilm(name) : writePicture(name);
+  for (const std::string& name : outputs) o.isAnimation(name) ? writeAnimation(name) : writePicture(name);
   if (o.frame && !o.frame->stops) o.frame->stops = writer.stops();
   viewers.finish(image, [](const std::string& text) { say(text + "\n"); });
   if (!o.viewers.preview.empty()) writePicture(o.viewers.preview);
@@ -196,7 +196,7 @@ bool writeResults(RenderResult& result, const RenderCommandOptions& o,
     written.push_back(o.render.statistics);
   if (!o.render.quiet)
     say(renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, report.loaded) +
-        writer.remark(filmStops));
+        writer.remark(animationStops));
   if (!result.checkpointFailure.empty()) files.attempt([&] { throw Error(result.checkpointFailure); });
   files.throwFailures();
   return isComplete && !result.isInterrupted();
@@ -275,7 +275,7 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
   const int64_t first = parseCount("--frames", range.front(), 0, LAST_FRAME);
   const int64_t last = parseCount("--frames", range.back(), first, LAST_FRAME);
   AnimationFrame frame;
-  FilmFiles films(parseFrameRate(given.frameRate));
+  AnimationFiles animations(parseFrameRate(given.frameRate));
   ViewerOptions viewers = given.viewers;
   const bool ownsPage = !viewers.page && (!cluster() || cluster()->leads());
   if (ownsPage) viewers.page = viewers.openPage(titleOf(given), requestStop);
@@ -285,15 +285,15 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
     o.viewers = viewers;
     frame.number = static_cast<int>(n);
     o.frame = &frame;
-    o.films = &films;
+    o.animations = &animations;
     for (std::string& name : o.outputs)
-      if (!isFilmFormat(name)) name = numberedName(name, frame.number);
+      if (!isAnimationFormat(name)) name = numberedName(name, frame.number);
     if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
     status = renderScene(o, onLoaded);
   }
   Attempts files;
-  for (const std::string& name : films.names())
-    if (files.attempt([&] { films.write(name); }) && !given.render.quiet) say("written: " + name + "\n");
+  for (const std::string& name : animations.names())
+    if (files.attempt([&] { animations.write(name); }) && !given.render.quiet) say("written: " + name + "\n");
   if (ownsPage && viewers.page) viewers.page->finish(viewers.patience);
   files.throwFailures();
   return status;

@@ -105,9 +105,9 @@ void addRepetitionOptions(CLI::App& command, RenderCommandOptions& o) {
 
 void RenderCommandOptions::checkOutputs(const std::vector<std::string>& outputs) const {
   for (const std::string& name : outputs) {
-    if (isFilmFormat(name) && frames.empty() && timeOfFlight.empty())
+    if (isAnimationFormat(name) && frames.empty() && timeOfFlight.empty())
       badUsage(name + ": is a film; it needs --frames or --time-of-flight");
-    isFilm(name) ? checkFilmOutput(name, develop) : checkImageWritable(name);
+    isAnimation(name) ? checkAnimationOutput(name, develop) : checkImageWritable(name);
   }
   viewers.check();
   requireDistinctFiles(written(outputs), {});
@@ -131,8 +131,8 @@ std::vector<OutputFile> RenderCommandOptions::written(const std::vector<std::str
   return out;
 }
 
-bool RenderCommandOptions::isFilm(const std::string& output) const {
-  return timeOfFlight.empty() ? isFilmFormat(output) : isTransientFilm(output);
+bool RenderCommandOptions::isAnimation(const std::string& output) const {
+  return timeOfFlight.empty() ? isAnimationFormat(output) : isTransientAnimation(output);
 }
 
 void RenderCommandOptions::checkIntegrator(const LoadedScene& loaded) const {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/animation/filmFiles.h"
+#include "apps/animation/animationFiles.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/renderOptions.h"
 #include "apps/run/outputFiles.h"
@@ -30,9 +30,9 @@ struct RenderCommandOptions {
   bool check = false, watch = false, sendScene = false;
   std::string frames, timeOfFlight;
   std::string frameRate = "24";
-  AnimationFrame* frame = nullptr; ///< current frame of an animation
-  FilmFiles* films = nullptr;      ///< films of the animation
-  int reduction = 1;               ///< divisor of the picture's width and height
+  AnimationFrame* frame = nullptr;      ///< current frame of an animation
+  AnimationFiles* animations = nullptr; ///< written after the last frame
+  int reduction = 1;                    ///< divisor of the picture's width and height
 
   void addTo(CLI::App& command);
   /** Plan of the render, with --checkpoint and its related options. */
@@ -46,7 +46,7 @@ struct RenderCommandOptions {
   /** Throws Error if the integrator of the scene does not render what the options ask for. */
   void checkIntegrator(const LoadedScene& loaded) const;
   /** Whether an output holds many pictures. */
-  bool isFilm(const std::string& output) const;
+  bool isAnimation(const std::string& output) const;
   /** Checks before the render that all outputs can be written, each to a file of its own. */
   void checkOutputs(const std::vector<std::string>& outputs) const;
   /** Throws Error (BAD_USAGE) if an output would replace a file of the scene. */

@@ -114,8 +114,7 @@ LensSystem::Mask maskOf(const Parameters& p) {
   const auto mask = [picture](const Vec2d& q) {
     const int x = std::clamp(static_cast<int>((q.x + 1) / 2 * picture->width), 0, picture->width - 1);
     const int y = std::clamp(static_cast<int>((1 - q.y) / 2 * picture->height), 0, picture->height - 1);
-    const Rgb v = picture->rgb(x, y);
-    return std::max(0.0, double(v.r + v.g + v.b) / 3);
+    return std::max(0.0, double(channelSum(picture->rgb(x, y))) / 3);
   };
   return normalised(mask);
 }

@@ -1,7 +1,7 @@
 /** @file
  * Animated PNG: the chunks of PNG files in new wrappings.
  */
-#include "recurse/core/image/filmFile.h"
+#include "recurse/core/image/animationFile.h"
 
 #include <array>
 #include <cmath>

@@ -348,7 +348,7 @@ Rgb ImageTexture::at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const {
                     : settings.filter == Filter::EWA       ? OIIO::TextureOpt::MipModeAniso
                     : settings.filter == Filter::TRILINEAR ? OIIO::TextureOpt::MipModeTrilinear
                                                            : OIIO::TextureOpt::MipModeOneLevel;
-  options.anisotropic = std::max(1, static_cast<int>(settings.mostAnisotropy));
+  options.anisotropic = std::max(1, static_cast<int>(settings.maxAnisotropy));
   options.swrap = options.twrap = settings.wrap == Wrap::REPEAT  ? OIIO::TextureOpt::WrapPeriodic
                                   : settings.wrap == Wrap::BLACK ? OIIO::TextureOpt::WrapBlack
                                                                  : OIIO::TextureOpt::WrapClamp;

@@ -78,11 +78,14 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     return;
   }
   static std::atomic<unsigned> counter{0};
-  // A file of this name exists only if an earlier process with this id was killed: it can be overwritten.
-  temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
-                                   std::to_string(counter.fetch_add(1)) + ".tmp"))
-                  .string();
-  descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  // A file of this name can belong to a process with the same id in another container or on another host, or
+  // to one that was killed.
+  do {
+    temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
+                                     std::to_string(counter.fetch_add(1)) + ".tmp"))
+                    .string();
+    descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (descriptor < 0 && errno == EEXIST);
   if (descriptor < 0) {
     temporary.clear();
     fail(errno);

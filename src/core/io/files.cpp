@@ -47,7 +47,7 @@ bool isInside(const std::string& name, const std::string& folder) {
 bool isOpenStream(const std::string& name) {
   struct stat status {
   }, open{};
-  if (::stat(name.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return false;
+  if (::stat(name.c_str(), &status) != 0 || S_ISREG(status.st_mode) || S_ISDIR(status.st_mode)) return false;
   std::error_code error;
   for (fs::directory_iterator i("/proc/self/fd", error), end; !error && i != end; i.increment(error))
     if (::stat(i->path().c_str(), &open) == 0 && sameInode(status, open)) return true;
@@ -65,7 +65,7 @@ std::string specialKind(const std::string& name) {
 
 void requireReadable(const std::string& name) {
   const std::string kind = specialKind(name);
-  if (!kind.empty() && (kind == "a folder" || !isOpenStream(name)))
+  if (!kind.empty() && !isOpenStream(name))
     throw Error(name + ": cannot be read: it is " + kind + ", not a file");
 }
 

@@ -49,13 +49,6 @@ ZipArchive::ZipArchive(const std::string& path) : path(path), handle(std::make_u
 
 ZipArchive::~ZipArchive() = default;
 
-std::optional<std::string> ZipArchive::find(const std::string& name) const {
-  const std::string wanted = normalised(name);
-  const auto found = std::find_if(entries.begin(), entries.end(),
-                                  [&](const std::string& e) { return normalised(e) == wanted; });
-  return found == entries.end() ? std::nullopt : std::optional(*found);
-}
-
 std::string ZipArchive::read(const std::string& name) const {
   const auto fail = [&](const std::string& what) { throw Error(path + ": " + name + ": " + what); };
   zip_stat_t stat;

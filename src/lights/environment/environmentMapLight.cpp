@@ -103,10 +103,10 @@ std::optional<LeSample> EnvironmentMapLight::sampleLe(const LeRandom& sample) co
   const auto radius = double(bounds.radius);
   Vec3d on; // some point of the ray
   if (portal && portal->projectedArea(direction) > 0 && !choose(pick, BESIDE_PORTAL)) {
-    on = portal->point(Vec2d(sample.place));
+    on = portal->point(Vec2d(sample.position));
   } else {
     const Frame frame{Vec3f(towards)};
-    const Vec2f d = uniformDisk(sample.place) * bounds.radius;
+    const Vec2f d = uniformDisk(sample.position) * bounds.radius;
     on = center + Vec3d(frame.x * d.x + frame.y * d.y);
   }
   const Vec3d origin = on - direction * (glm::dot(on - center, direction) + radius);

@@ -18,7 +18,7 @@ class Uniform final : public EnvironmentLight {
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     // Uniform point on a disc that covers the bounding sphere, perpendicular to a uniform direction.
     const Frame frame(uniformSphere(sample.direction));
-    const Vec2f d = uniformDisk(sample.place) * bounds.radius;
+    const Vec2f d = uniformDisk(sample.position) * bounds.radius;
     return LeSample{{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z},
                     constant,
                     bounds.pdfDisc(),

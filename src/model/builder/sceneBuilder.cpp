@@ -92,7 +92,7 @@ class SceneBuilder {
       if (overrides.width > 0) {
         f.width = overrides.width;
         f.height = overrides.height;
-        f.crop = {0, 0, f.width, f.height};
+        f.crop = f.whole();
       }
       const auto& w = overrides.cropWindow;
       if (w[1] > w[0]) f.crop = cropOf(f, double(w[0]), double(w[1]), double(w[2]), double(w[3]));

@@ -39,7 +39,7 @@ class DirectEstimator {
     float density = sample->density;
     if (isCombined) {
       density *= COMBINED_PROBABILITY;
-      if (!light.delta)
+      if (!light.unhittable)
         density += (1 - COMBINED_PROBABILITY) * scattering.pdfNonDelta(visible.wi, light.direction);
     }
     return sample->contribution / density;

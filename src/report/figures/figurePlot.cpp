@@ -73,8 +73,10 @@ void drawSlope(FigureDrawing& drawing, const FigurePlot& plot, const PlotAxes& a
     if (!curve.points.empty() && curve.points.front().y > 0)
       from.y = std::max(from.y, std::log10(curve.points.front().y));
   if (!(from.y > -INFINITE_D)) return;
-  const double fall = std::min((axes.decades.upper.x - from.x), (axes.decades.lower.y - from.y) / plot.slope);
-  drawing.lines.push_back({{axes.at(from), axes.at(from + Vec2d(fall, plot.slope * fall))}, AXIS, 1, true});
+  const double edge = plot.slope < 0 ? axes.decades.lower.y : axes.decades.upper.y;
+  const double length = std::min(axes.decades.upper.x - from.x, (edge - from.y) / plot.slope);
+  drawing.lines.push_back(
+      {{axes.at(from), axes.at(from + Vec2d(length, plot.slope * length))}, AXIS, 1, true});
 }
 
 } // namespace

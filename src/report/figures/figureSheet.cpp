@@ -99,8 +99,8 @@ FigurePanel scaledPanel(const PixelBounds& crop, const std::vector<double>& valu
   return panel;
 }
 
-double quantileOf(std::vector<double> values, double part) {
-  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
+double quantileOf(std::vector<double> values, double fraction) {
+  const auto at = values.begin() + std::ptrdiff_t(fraction * double(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }

@@ -281,7 +281,7 @@ ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whol
       (count[wrong] > 1 && area[wrong] > LEAST_PART * all) || global.state == ClassState(wrong);
   const size_t state = isSeen && area[wrong] > LEAST_PART * told ? wrong : 0;
   mark.state = ClassState(state);
-  mark.toldFraction = told / all;
+  mark.visibleFraction = told / all;
   mark.stateFraction = area[state] / told;
   mark.certainty = area[state] > 0 ? certainty[state] / area[state] : 0;
   if (global.state == mark.state) mark.certainty = std::max(mark.certainty, global.probabilities[state]);

@@ -78,7 +78,7 @@ std::string wellKnownFactor(double factor, double error) {
 }
 
 std::string whereText(const ClassMark& mark) {
-  if (mark.toldFraction == 0) return ", in the picture as a whole";
+  if (mark.visibleFraction == 0) return ", in the picture as a whole";
   return ", in " + percentText(mark.stateFraction) + " of the picture where it is visible";
 }
 
@@ -190,7 +190,7 @@ std::string classTable(const Marking& marking) {
     out += formatted("%-24s %8s  %-8s %8s %9s  %8s  %s\n", mark.name.c_str(), percentText(mark.share).c_str(),
                      CLASS_STATE_NAMES[size_t(mark.state)], isKnown ? factorText(mark.factor).c_str() : "-",
                      isKnown ? formatted("%.2g", mark.standardError).c_str() : "-",
-                     percentText(mark.toldFraction).c_str(), mark.expression.c_str());
+                     percentText(mark.visibleFraction).c_str(), mark.expression.c_str());
   }
   return out;
 }
@@ -277,7 +277,7 @@ std::string markingJson(const Marking& marking) {
                                {"certainty", mark.certainty},
                                {"factor", mark.factor},
                                {"standard_error", mark.standardError},
-                               {"told_in", mark.toldFraction},
+                               {"told_in", mark.visibleFraction},
                                {"state_in", mark.stateFraction}});
   json["alike"] = Json::array();
   for (const ClassConfusion& confusion : marking.confusions) {

@@ -69,7 +69,7 @@ void recordSample(PathRecorder& recorder, const ScatteringPoint& scattering, con
                   const LiSample& light, float probability, int samples, LobeSet allowed) {
   const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
   recordLightSample(recorder, recorder.source.vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
-                    light.delta ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
+                    light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
 } // namespace
@@ -100,7 +100,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                        [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
-  const float bsdfPdf = !light.delta && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
+  const float bsdfPdf = !light.unhittable && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
   if (bsdfPdf > 0) density += through.pathPdf * bsdfPdf;
   if (out.recorder)
     recordLightSample(*out.recorder, out.recorder->source.vertex, light, pdf, bsdfPdf,

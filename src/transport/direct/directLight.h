@@ -64,7 +64,7 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi
   if (isBlack(f)) return BLACK;
   const float pdf = probability * light.pdf;
   const float weight =
-      light.delta ? 1 : powerHeuristic(samples, pdf, scattering.pdf(wi, light.direction, allowed));
+      light.unhittable ? 1 : powerHeuristic(samples, pdf, scattering.pdf(wi, light.direction, allowed));
   return throughput * f * light.radiance * (weight / (pdf * static_cast<float>(samples)));
 }
 

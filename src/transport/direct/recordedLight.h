@@ -42,7 +42,7 @@ inline void recordLightSample(PathRecorder& recorder, int vertex, const Scatteri
                               LobeSet allowed) {
   const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
   recordLightSample(recorder, vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
-                    light.delta ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
+                    light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
 } // namespace recurse

@@ -92,13 +92,9 @@ bool EmissionSampler::fromLight(const EmissionGuide::Numbers& n, float time, Sam
   if (!emission) return false;
   if (aimed) settings.aim->redirect(light, *emission, pick, towards);
   if (isBlack(emission->flux)) return false;
+  if (settings.entersByPortals(light)) settings.portals->redirect(*emission, pick, {n[2], n[3]});
   start.probability = probability;
-  start.pdf = light.pdfLe(*emission);
-  if (aimed) start.pdf.direction = emission->pdfDirection;
-  if (settings.entersByPortals(light)) {
-    settings.portals->redirect(*emission, pick, {n[2], n[3]});
-    start.pdf.position = emission->pdfPosition;
-  }
+  start.pdf = {emission->pdfPosition, emission->pdfDirection};
   LightEnd& end = start.end;
   end.light = &light;
   end.index = index;

@@ -38,7 +38,7 @@ struct EmissionSettings {
 struct LightStart {
   LightSubpath path; ///< throughput: flux of the light over the density of the start [W]
   LightEnd end;      ///< its pdfNext is not set, because it depends on the first vertex; no light: a medium
-  LePdf pdf;         ///< densities of the ray, see EmissionSettings::pdfLe()
+  LePdf pdf;         ///< densities of the ray; 1 for a delta, as in LeSample
   float probability = 0; ///< of the choice of the light
 };
 

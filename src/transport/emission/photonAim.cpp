@@ -42,7 +42,7 @@ std::vector<WeightedPosition> findPositions(const Scene& scene, uint64_t seed, T
 LeRandom randomStart(Sampler& sampler) {
   LeRandom start;
   start.pick = sampler.next1D();
-  start.place = sampler.next2D();
+  start.position = sampler.next2D();
   start.direction = sampler.next2D();
   return start;
 }

@@ -12,10 +12,11 @@
 namespace recurse {
 
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers) {
-  std::vector<PathAutomaton> domains;
+  std::vector<PathAutomaton> domains, covered;
   for (const EstimatorDomain& e : estimators) {
     try {
       domains.push_back(PathAutomaton::compile(e.expression));
+      if (!e.onlyPanes) covered.push_back(domains.back());
     } catch (const Error& error) {
       throw Error("domain of " + e.estimator + ": " + error.what(), error.status());
     }
@@ -26,7 +27,7 @@ DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const 
     const bool shared = !first.sharedGroup.empty() && first.sharedGroup == second.sharedGroup;
     if (!shared) report.overlaps.push_back({first.estimator, second.estimator, o.example});
   }
-  const PathAutomaton rest = leftOver(PathAutomaton::compile(covers), domains);
+  const PathAutomaton rest = leftOver(PathAutomaton::compile(covers), covered);
   if (!rest.isEmpty()) {
     report.uncovered = rest.exampleWords(4, 2);
     if (report.uncovered.empty()) report.uncovered = {rest.shortestWord()};

@@ -29,8 +29,8 @@ inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample
                      .end = isInfinite ? light.direction : light.target,
                      .isInfinite = isInfinite,
                      .weight = weight,
-                     .pdf = light.delta ? 0 : pdf,
-                     .otherPdf = light.delta ? 0 : otherPdf};
+                     .pdf = light.unhittable ? 0 : pdf,
+                     .otherPdf = light.unhittable ? 0 : otherPdf};
 }
 
 } // namespace recurse

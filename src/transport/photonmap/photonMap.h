@@ -43,7 +43,7 @@ struct FoundPhotons {
   size_t count = 0;             ///< number of photons found
   void clear() { blocks = count = 0; }
   void add(uint32_t blockIndex, Float8 d2, uint32_t mask) {
-    if (blocks == distance2.size()) grow();
+    if (blocks == distance2.capacity()) grow();
     block[blocks] = blockIndex;
     distance2[blocks++] = d2;
     count += static_cast<size_t>(std::popcount(mask));

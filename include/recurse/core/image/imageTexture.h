@@ -39,7 +39,7 @@ struct ImageTextureSettings {
   };
   Filter filter = Filter::BILINEAR;
   Wrap wrap = Wrap::REPEAT;
-  float mostAnisotropy = 8; ///< maximum ratio of the longer to the shorter axis, for EWA; rounded down, >= 1
+  float maxAnisotropy = 8; ///< maximum ratio of the longer to the shorter axis, for EWA; rounded down, >= 1
   ImageChannels channels = ImageChannels::COLOURS;
   bool levels = true; ///< false: always the finest level
 };

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +21,6 @@ class ZipArchive {
   const std::vector<std::string>& names() const { return entries; }
   /** Key of a name: lower case, with '/'. Names with the same key refer to the same file. */
   static std::string normalised(const std::string& name);
-  /** First name in the archive that equals `name` up to case and kind of slashes; empty: none. */
-  std::optional<std::string> find(const std::string& name) const;
   /** Content of a file of `names`. Throws Error where it is damaged, over 1 GiB or not of the stated size. */
   std::string read(const std::string& name) const;
 

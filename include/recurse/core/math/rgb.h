@@ -86,7 +86,7 @@ template <class T> T luminance(const RgbOf<T>& c) {
   return T(0.2126) * c.r + T(0.7152) * c.g + T(0.0722) * c.b;
 }
 template <class T> T maxComponent(const RgbOf<T>& c) { return std::max(c.r, std::max(c.g, c.b)); }
-inline float channelSum(const Rgb& c) { return c.r + c.g + c.b; }
+template <class T> T channelSum(const RgbOf<T>& c) { return c.r + c.g + c.b; }
 inline bool isFinite(const Rgb& c) { return std::isfinite(c.r) && std::isfinite(c.g) && std::isfinite(c.b); }
 inline bool isBlack(const Rgb& c) { return c.r == 0 && c.g == 0 && c.b == 0; }
 

@@ -18,17 +18,17 @@ namespace recurse {
 template <class T> class LargeArray {
  public:
   LargeArray() = default;
-  LargeArray(LargeArray&& o) noexcept : room(std::move(o.room)), capacity(std::exchange(o.capacity, 0)) {}
+  LargeArray(LargeArray&& o) noexcept : room(std::move(o.room)), allocated(std::exchange(o.allocated, 0)) {}
   LargeArray& operator=(LargeArray&& o) noexcept {
     room = std::move(o.room);
-    capacity = std::exchange(o.capacity, 0);
+    allocated = std::exchange(o.allocated, 0);
     return *this;
   }
   T* data() const { return room.get(); }
   T& operator[](size_t i) const { return room.get()[i]; }
-  size_t bytes() const { return capacity * sizeof(T); }
+  size_t bytes() const { return allocated * sizeof(T); }
   /** Number of objects that there is room for. */
-  size_t size() const { return capacity; }
+  size_t capacity() const { return allocated; }
   /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. Throws
    * std::bad_alloc: then a content to be kept is unchanged, and another one is gone. */
   void reserve(size_t n, bool keep = false);
@@ -38,7 +38,7 @@ template <class T> class LargeArray {
     void operator()(void* p) const { std::free(p); }
   };
   std::unique_ptr<T, Release> room;
-  size_t capacity = 0;
+  size_t allocated = 0; ///< [objects]
 };
 /** Allocates memory on a 64-byte boundary, on huge pages from 2 MiB on; std::free() releases it. Rounds
  * `bytes` up. Throws std::bad_alloc. */
@@ -46,16 +46,16 @@ void* allocateLarge(size_t& bytes);
 
 template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {
   static_assert(std::is_trivially_copyable_v<T>);
-  if (n <= capacity) return;
+  if (n <= allocated) return;
   // With at most half of all addresses, the number of bytes does not overflow when it is rounded up.
   if (n > std::numeric_limits<size_t>::max() / 2 / sizeof(T)) throw std::bad_alloc();
   // Second and later requests get 1/16 more: they are likely to be followed by a slightly larger one.
-  size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);
+  size_t bytes = (allocated == 0 ? n : n + n / 16) * sizeof(T);
   if (!keep) *this = LargeArray();
   LargeArray grown;
   grown.room.reset(static_cast<T*>(allocateLarge(bytes)));
-  grown.capacity = bytes / sizeof(T);
-  if (keep) std::copy_n(data(), capacity, grown.data());
+  grown.allocated = bytes / sizeof(T);
+  if (keep) std::copy_n(data(), allocated, grown.data());
   *this = std::move(grown);
 }
 

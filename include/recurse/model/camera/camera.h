@@ -90,8 +90,8 @@ class Camera {
   virtual WePdf pdfWe(const Ray& /*ray*/) const { return {}; }
 
   /** Ray::time at a fraction, in [0, 1), of the exposure, clamped to [0, 1]. */
-  float timeAt(float part) const {
-    return std::clamp(shutterOpen + part * (shutterClose - shutterOpen), 0.0f, 1.0f);
+  float timeAt(float exposureFraction) const {
+    return std::clamp(shutterOpen + exposureFraction * (shutterClose - shutterOpen), 0.0f, 1.0f);
   }
   /** Duration of the exposure [time of TransformTimes]; scales the image, as in pbrt-v4. */
   float exposureTime() const { return exposure; }
@@ -133,7 +133,7 @@ struct PixelBounds {
 /** Settings of the Film directive. */
 struct FilmSettings {
   int width = 1280, height = 720;
-  PixelBounds crop; ///< pixels that are rendered
+  PixelBounds crop = whole(); ///< pixels that are rendered
   /** All pixels: learning uses these, so that a crop is a part of the same image. */
   PixelBounds whole() const { return {0, 0, width, height}; }
   std::string fileName;

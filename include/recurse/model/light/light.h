@@ -61,7 +61,7 @@ struct LeSample : LeRay { ///< the origin is already offset from an emitting sur
  * caller decides on their source. */
 struct LeRandom {
   float pick = 0; ///< chooses a part of the light
-  Vec2f place;
+  Vec2f position;
   Vec2f direction;
   float time = 0; ///< Ray::time of the photon
 };
@@ -73,7 +73,7 @@ struct LiSample {
   float distance = 0; ///< to the target [scene units]; infinite for distant and environment lights
   Rgb radiance;  ///< incident radiance [W/(m² sr)]; of POINT and DISTANT: irradiance across the ray [W/m²]
   float pdf = 0; ///< density [1/sr]; 1 for POINT and DISTANT
-  bool delta = false;     ///< true: BSDF sampling cannot find the light, since no ray hits it
+  bool unhittable = false; ///< true: BSDF sampling cannot find the light, since no ray hits it
   Vec3f normal{0};        ///< unit normal of the surface at the target, on either side; zero for other lights
   uint32_t primitive = 0; ///< of the emitting shape
   float time = 0;         ///< see Ray::time

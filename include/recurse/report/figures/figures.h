@@ -43,8 +43,8 @@ struct FigurePanel {
 FigurePanel scaledPanel(const PixelBounds& crop, const std::vector<double>& values, const ColourScale& scale,
                         const std::string& name, int row, float column);
 
-/** Value below which the fraction `part` in [0, 1] of the values is. They must not be empty. */
-double quantileOf(std::vector<double> values, double part);
+/** Value below which the fraction, in [0, 1], of the values is. They must not be empty. */
+double quantileOf(std::vector<double> values, double fraction);
 
 /** Curve of a plot. Points with a coordinate of 0 or less are left out. */
 struct FigureCurve {

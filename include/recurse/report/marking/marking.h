@@ -57,7 +57,7 @@ struct ClassFinding {
 struct MarkedRegion {
   int x = 0, y = 0, width = 0, height = 0; ///< [pixels]
   double usedFraction = 0;                 ///< fraction of its cells without clipped pixels, NaN or infinity
-  double unexplained = 0; ///< relative root mean square error not explained by factors of classes
+  double unexplained = 0;            ///< relative root mean square error not explained by factors of classes
   std::vector<ClassFinding> classes; ///< in the order of Marking::classes
 };
 
@@ -68,7 +68,7 @@ struct ClassMark {
   ClassState state = ClassState::UNKNOWN;
   double certainty = 0;                 ///< probability of the state; 0: UNKNOWN
   double factor = 1, standardError = 0; ///< mean ClassFinding::factor where the state holds
-  double toldFraction = 0;              ///< fraction of the picture: regions that show the class's state
+  double visibleFraction = 0;           ///< fraction of the picture: regions that show the class's state
   double stateFraction = 0;             ///< fraction of these regions that are in this state
 };
 

@@ -1,5 +1,5 @@
 /** @file
- * Films: pictures in sequence, as an animated PNG or, by the program ffmpeg, as MP4.
+ * Animations: pictures in sequence, as an animated PNG or, by the program ffmpeg, as MP4.
  */
 #pragma once
 
@@ -10,25 +10,25 @@
 
 namespace recurse {
 
-/** True for the formats that only films have: .apng .mp4. */
-bool isFilmFormat(const std::string& fileName);
+/** True for the formats that only animations have: .apng .mp4. */
+bool isAnimationFormat(const std::string& fileName);
 
-/** Throws Error when a film could not be written there: an extension other than .png .apng .mp4, no ffmpeg
- * in the PATH for .mp4 (both BAD_USAGE), or as checkFileWritable(). Called before a long render. */
-void checkFilmWritable(const std::string& fileName);
+/** Throws Error when an animation could not be written there: an extension other than .png .apng .mp4, no
+ * ffmpeg in the PATH for .mp4 (both BAD_USAGE), or as checkFileWritable(). Called before a long render. */
+void checkAnimationWritable(const std::string& fileName);
 
-/** Film in memory, one PNG for each frame, until write(). */
-class FilmFile {
+/** Animation in memory, one PNG for each frame, until write(). */
+class AnimationFile {
  public:
   /** `framesPerSecond`: see animatedPng(). */
-  FilmFile(std::string fileName, double framesPerSecond)
+  AnimationFile(std::string fileName, double framesPerSecond)
       : fileName(std::move(fileName)), framesPerSecond(framesPerSecond) {}
 
   /** Adds a picture of R, G and B, encoded for the display, in [0, 1]. Throws Error if its size differs from
    * the first one's. */
   void add(const Image& encoded);
-  /** Writes the film: MP4 for .mp4, else animated PNG. It appears under its name only when it is complete.
-   * Throws Error without frames, and where ffmpeg fails. */
+  /** Writes the animation: MP4 for .mp4, else animated PNG. It appears under its name only when it is
+   * complete. Throws Error without frames, and where ffmpeg fails. */
   void write() const;
 
  private:

@@ -1,7 +1,7 @@
 /** @file
- * Films of animations and transient renders.
+ * Animations of rendered frames and of transient renders.
  */
-#include "apps/animation/filmFiles.h"
+#include "apps/animation/animationFiles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,30 +37,30 @@ double parseFrameRate(const std::string& text) {
   return rate;
 }
 
-void checkFilmOutput(const std::string& fileName, const DevelopOptions& options) {
+void checkAnimationOutput(const std::string& fileName, const DevelopOptions& options) {
   if (options.whiteBalance == "auto")
     badUsage("--white-balance: auto would colour each frame of " + fileName +
              " in its own way; give a temperature, such as 5000");
   if (options.settings().toneMap->measuresPicture())
     badUsage("--tonemap: " + options.toneMap + " would adapt to each frame of " + fileName +
              ", which flickers; choose another, such as filmic or reinhard \"float white\" 4");
-  checkFilmWritable(fileName);
+  checkAnimationWritable(fileName);
 }
 
-void FilmFiles::add(const std::string& fileName, const Image& developed) {
-  films.try_emplace(fileName, fileName, framesPerSecond).first->second.add(developed);
+void AnimationFiles::add(const std::string& fileName, const Image& developed) {
+  files.try_emplace(fileName, fileName, framesPerSecond).first->second.add(developed);
 }
 
-std::vector<std::string> FilmFiles::names() const {
+std::vector<std::string> AnimationFiles::names() const {
   std::vector<std::string> out;
-  for (const auto& [name, film] : films) out.push_back(name);
+  for (const auto& [name, file] : files) out.push_back(name);
   return out;
 }
 
-void FilmFiles::write(const std::string& fileName) const { films.at(fileName).write(); }
+void AnimationFiles::write(const std::string& fileName) const { files.at(fileName).write(); }
 
-bool isTransientFilm(const std::string& fileName) {
-  return isFilmFormat(fileName) || lowerCase(fileName).ends_with(".png");
+bool isTransientAnimation(const std::string& fileName) {
+  return isAnimationFormat(fileName) || lowerCase(fileName).ends_with(".png");
 }
 
 namespace {
@@ -97,8 +97,8 @@ Image brightestOf(const Image& picture, const std::vector<size_t>& frames) {
 
 } // namespace
 
-double writeTransientFilm(const std::string& fileName, const Image& picture, const DevelopOptions& options,
-                          double framesPerSecond) {
+double writeTransientAnimation(const std::string& fileName, const Image& picture,
+                               const DevelopOptions& options, double framesPerSecond) {
   const std::vector<size_t> frames = frameChannels(picture);
   if (frames.empty())
     throw Error(fileName + ": the picture has no frames, as 'recurse render --time-of-flight' makes them");
@@ -107,13 +107,13 @@ double writeTransientFilm(const std::string& fileName, const Image& picture, con
   applyWhiteBalance(brightest, settings.whiteBalance);
   const double stops = stopsFor(settings.exposure, brightest);
   settings.exposure = {Exposure::Meter::NONE, 0, stops};
-  FilmFile film(fileName, framesPerSecond);
+  AnimationFile animation(fileName, framesPerSecond);
   for (const size_t first : frames) {
     Developed frame = develop(frameOf(picture, first), settings);
     frame.picture.metadata["recurse:developed"] = options.text(stops);
-    film.add(frame.picture);
+    animation.add(frame.picture);
   }
-  film.write();
+  animation.write();
   return stops;
 }
 

@@ -1,7 +1,7 @@
 /** @file
- * Films in files.
+ * Animations in files.
  */
-#include "recurse/core/image/filmFile.h"
+#include "recurse/core/image/animationFile.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -23,11 +23,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string filmExtension(const std::string& fileName) {
+std::string animationExtension(const std::string& fileName) {
   return lowerCase(fs::path(fileName).extension().string());
 }
 
-bool isVideo(const std::string& fileName) { return filmExtension(fileName) == ".mp4"; }
+bool isVideo(const std::string& fileName) { return animationExtension(fileName) == ".mp4"; }
 
 bool hasFfmpeg() {
   const char* const path = std::getenv("PATH");
@@ -109,12 +109,12 @@ std::vector<unsigned char> encodeVideo(const std::string& fileName,
 
 } // namespace
 
-bool isFilmFormat(const std::string& fileName) {
-  return isVideo(fileName) || filmExtension(fileName) == ".apng";
+bool isAnimationFormat(const std::string& fileName) {
+  return isVideo(fileName) || animationExtension(fileName) == ".apng";
 }
 
-void checkFilmWritable(const std::string& fileName) {
-  if (!isFilmFormat(fileName) && filmExtension(fileName) != ".png")
+void checkAnimationWritable(const std::string& fileName) {
+  if (!isAnimationFormat(fileName) && animationExtension(fileName) != ".png")
     throw Error(fileName + ": cannot be written as a film; accepted: .png .apng .mp4", ExitStatus::BAD_USAGE);
   if (isVideo(fileName) && !hasFfmpeg())
     throw Error(fileName + ": needs the program ffmpeg, which is not in the PATH: install it (Debian: apt "
@@ -123,7 +123,7 @@ void checkFilmWritable(const std::string& fileName) {
   checkFileWritable(fileName);
 }
 
-void FilmFile::add(const Image& encoded) {
+void AnimationFile::add(const Image& encoded) {
   if (frames.empty()) {
     width = encoded.width;
     height = encoded.height;
@@ -133,7 +133,7 @@ void FilmFile::add(const Image& encoded) {
   frames.push_back(encodedPng(encoded));
 }
 
-void FilmFile::write() const {
+void AnimationFile::write() const {
   const std::vector<unsigned char> bytes = isVideo(fileName) ? encodeVideo(fileName, frames, framesPerSecond)
                                                              : animatedPng(frames, framesPerSecond);
   AtomicFile file(fileName);
