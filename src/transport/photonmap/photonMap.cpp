@@ -16,7 +16,7 @@ namespace recurse {
 void FoundPhotons::grow() {
   const size_t wanted = std::max<size_t>(64, 2 * blocks);
   distance2.reserve(wanted, true);
-  block.reserve(distance2.capacity(), true);
+  block.reserve(wanted, true);
 }
 
 // ---------------------------------------------------------------------------------------------- building

@@ -6,6 +6,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -43,7 +44,7 @@ struct FoundPhotons {
   size_t count = 0;             ///< number of photons found
   void clear() { blocks = count = 0; }
   void add(uint32_t blockIndex, Float8 d2, uint32_t mask) {
-    if (blocks == distance2.capacity()) grow();
+    if (blocks == std::min(distance2.capacity(), block.capacity())) grow();
     block[blocks] = blockIndex;
     distance2[blocks++] = d2;
     count += static_cast<size_t>(std::popcount(mask));
