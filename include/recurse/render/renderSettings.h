@@ -114,7 +114,7 @@ struct RenderSettings {
    * seconds. Returns the seconds until the next call. */
   std::function<double()> look = {};
   double lookAfter = 0; ///< [s]
-  /** Whether somebody waits for answer(), asked by any thread; the round then ends soon. */
+  /** Whether somebody waits for answer(); the round then ends soon. Called by any thread. */
   std::function<bool()> isAsked = {};
   /** Called while no thread renders, if isAsked(); must be set with it. */
   std::function<void(const RenderPause&)> answer = {};

@@ -28,7 +28,8 @@ double integrate(const F& f, double a, double b, double tolerance, double whole,
   return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
          integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
 }
-/** Adaptive quadrature with a tolerance relative to gauss7() of [a, b], and up to 31 halvings. */
+/** Adaptive quadrature with a tolerance relative to gauss7() of [a, b], and up to 31 halvings. For finite
+ * functions of one sign: where parts cancel, or a value is NaN, f may be called 3e10 times. */
 template <class F> double integrate(const F& f, double a, double b, double relativeTolerance) {
   const double whole = gauss7(f, a, b);
   return integrate(f, a, b, relativeTolerance * std::abs(whole), whole, 30);

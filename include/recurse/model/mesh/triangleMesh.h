@@ -14,9 +14,11 @@ namespace recurse {
 /** Mesh as stored in files, in object space and double precision. */
 struct MeshData {
   std::vector<Vec3d> positions;
-  std::vector<Vec3d> normals;  ///< one for each position, or none; any length, 0: the triangle's normal
+  /** One for each position, or none; of any length. A zero normal has no weight in the interpolation; a
+   * triangle with zero normals only has its own normal. */
+  std::vector<Vec3d> normals;
   std::vector<Vec3d> tangents; ///< pbrt's S: one for each position, or none
-  std::vector<Vec2d> uvs;      ///< one for each position, or none
+  std::vector<Vec2d> uvs;      ///< one for each position; none: (0, 0), (1, 0), (1, 1) in each triangle
   /** Indices of positions a, b, c. The normals point outside; without normals (b - a) x (c - a) does. */
   std::vector<glm::uvec3> triangles;
 };

@@ -39,11 +39,11 @@ template <class Key, class Part> class KeptByKey {
 };
 
 /**
- * Parts kept from one frame to the next: shapes (with meshes read, subdivided, displaced) of equal parameters
- * and transform without textures, objects, materials with holes or edges as long as pixels, trees of objects
- * whose shapes are all kept, media, and models read from files. Only one scene at a time can be rendered with
- * the kept parts. A scene must exist until the next one is built, because keys of trees are addresses of
- * shapes.
+ * Parts kept from one frame to the next: media, models read from files, shapes (with meshes read, subdivided,
+ * displaced) of equal parameters and transform, and trees of objects whose shapes are all kept. Shapes are
+ * made anew if they use textures or objects (CSG), if their material has an opacity, or if they are diced to
+ * the size of pixels. Only one scene at a time can be rendered with the kept parts. A scene must exist until
+ * the next one is built, because keys of trees are addresses of shapes.
  */
 class KeptParts {
  public:

@@ -1,5 +1,5 @@
 /** @file
- * All registries of plug-ins. The complete list of plug-ins is src/plugins/list.h.
+ * All registries of plug-ins. The list of the library's plug-ins is src/plugins/list.h.
  */
 #pragma once
 

@@ -55,8 +55,8 @@ class ImportWriter {
   /** addFile() of a file on the disk, whose path is added to SceneImport::filesRead. Throws Error where it
    * cannot be read. */
   std::string copyFile(const std::string& path);
-  /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`. The
-   * mesh transformed by `placement` extends the bounds. */
+  /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`, for
+   * line(). The mesh transformed by `placement` extends the bounds; the caller writes the Transform. */
   std::string meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
                         const std::string& parameters = {});
   /** Defines a texture of a kind ("spectrum" or "float") with a picture that addFile() returned; returns its

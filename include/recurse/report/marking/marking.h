@@ -68,8 +68,10 @@ struct ClassMark {
   ClassState state = ClassState::UNKNOWN;
   double certainty = 0;                 ///< probability of the state; 0: UNKNOWN
   double factor = 1, standardError = 0; ///< mean ClassFinding::factor where the state holds
-  double visibleFraction = 0;           ///< fraction of the picture: regions that show the class's state
-  double stateFraction = 0;             ///< fraction of these regions that are in this state
+  /** Fraction of the picture: regions that show the class's state. 0 with a known state: only the picture as
+   * a whole shows it. */
+  double visibleFraction = 0;
+  double stateFraction = 0; ///< fraction of these regions that are in this state
 };
 
 /** Classes some of which are wrong, but whose light does not show which. */
