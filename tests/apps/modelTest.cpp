@@ -67,6 +67,25 @@ TEST_F(ProgramModel, IsConvertedToASceneThatStandsByItself) {
   EXPECT_EQ(picture("made.pbrt", "b.exr"), direct);
 }
 
+TEST_F(ProgramModel, TheCameraLooksAtTheInstancesOfAMeshNotAtTheMesh) {
+  const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  write("models/m.bin", std::string(reinterpret_cast<const char*>(numbers), sizeof numbers));
+  write(
+      "models/m.gltf",
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[)"
+      R"({"mesh":0,"translation":[1000,0,0]},{"mesh":0,"translation":[1001,0,0]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],)"
+      R"("bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"m.bin","byteLength":36}]})");
+  ASSERT_EQ(run({"convert", "models/m.gltf", "-o", "made.pbrt"}).status, 0);
+  std::istringstream text(contents(file("made.pbrt")));
+  for (std::string word; word != "LookAt";) ASSERT_TRUE(text >> word);
+  double eye[3], center[3];
+  for (double& x : eye) text >> x;
+  for (double& x : center) text >> x;
+  EXPECT_NEAR(center[0], 1001, 1e-3);
+}
+
 TEST_F(ProgramModel, AMapOfAGameIsChosenWithItsCamera) {
   using namespace recurse::testing;
   BspWriter map;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <set>
 #include <unistd.h>
 
 #include "model/importTesting.h"
@@ -75,6 +76,16 @@ TEST_F(MeshFile, AMeshInSeveralNodesIsOneObject) {
            "ObjectInstance \"o\"");
   EXPECT_EQ(nested.objects.at("o").shapes.size(), 2u);
   EXPECT_TRUE(build(nested));
+}
+
+TEST(ImportWriter, RepeatedNamesAreUniqueAlsoWhereTheyAreCut) {
+  SceneImport import;
+  const ImportContext context;
+  ImportWriter out(import, context);
+  std::set<std::string> names;
+  for (const size_t length : {1u, 62u, 63u, 64u, 100u})
+    for (int i = 0; i < 120; ++i) EXPECT_TRUE(names.insert(out.uniqueName(std::string(length, 'a'))).second);
+  EXPECT_TRUE(names.insert(out.uniqueName("a_2")).second);
 }
 
 TEST_F(MeshFile, TwoOfThemDoNotClash) {

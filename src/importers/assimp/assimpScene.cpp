@@ -157,7 +157,7 @@ class AssimpSceneImport {
       std::string& object = objects[index];
       if (object.empty()) {
         object = out.uniqueName(meshName(mesh, node));
-        const std::string shape = shapeOf(mesh, Mat4d(1), node);
+        const std::string shape = shapeOf(mesh, std::nullopt, node);
         out.line("ObjectBegin " + sceneText(object) + "\n" + shape + "ObjectEnd");
       }
       for (const Vec3d& v : corners(mesh)) import.bounds.add(transformPoint(placement, v));
@@ -188,8 +188,8 @@ class AssimpSceneImport {
     return points;
   }
 
-  /** Directives of a mesh with its material. */
-  std::string shapeOf(const aiMesh& mesh, const Mat4d& placement, const aiNode& node) {
+  /** Directives of a mesh with its material. `placement`: see ImportWriter::meshShape(). */
+  std::string shapeOf(const aiMesh& mesh, const std::optional<Mat4d>& placement, const aiNode& node) {
     MeshData data;
     const unsigned uvChannel = materialsWanted && mesh.mMaterialIndex < scene.mNumMaterials
                                    ? materials.at(mesh.mMaterialIndex).uvChannel

@@ -67,8 +67,6 @@ std::string readFileBytes(const std::string& path) {
   return bytes;
 }
 
-namespace {} // namespace
-
 std::string findModelFile(const std::string& directory, const std::string& name) {
   if (name.find('\0') != std::string::npos || name.empty()) return {};
   std::string slashed = name;
@@ -95,10 +93,10 @@ std::string ImportWriter::uniqueName(const std::string& hint) {
   std::string clean;
   for (const char c : hint.substr(0, 64))
     clean += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' ? c : '_';
-  const int times = used[clean]++;
-  if (times == 0) return context.prefix + clean;
-  // A repeated name gets a number, and is checked too: a different name may end with that number.
-  return context.prefix + uniqueName(clean + "_" + std::to_string(times + 1)).substr(context.prefix.size());
+  std::string name = clean;
+  while (used.contains(name)) name = clean + "_" + std::to_string(++used[clean]);
+  used[name] = 1;
+  return context.prefix + name;
 }
 
 std::string ImportWriter::addFile(const std::string& hint, std::string content) {
@@ -121,9 +119,10 @@ std::string ImportWriter::copyFile(const std::string& path) {
   return addFile(path, std::move(content));
 }
 
-std::string ImportWriter::meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
-                                    const std::string& parameters) {
-  for (const Vec3d& p : mesh.positions) import.bounds.add(transformPoint(placement, p));
+std::string ImportWriter::meshShape(const std::string& hint, const MeshData& mesh,
+                                    const std::optional<Mat4d>& placement, const std::string& parameters) {
+  if (placement)
+    for (const Vec3d& p : mesh.positions) import.bounds.add(transformPoint(*placement, p));
   return "Shape \"plymesh\" \"string filename\" " + sceneText(addFile(hint + ".ply", plyBytes(mesh))) +
          (parameters.empty() ? "" : " " + parameters);
 }

@@ -24,7 +24,7 @@ template <class F>
 double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
   const double middle = 0.5 * (a + b);
   const double left = gauss7(f, a, middle), right = gauss7(f, middle, b);
-  if (depth == 0 || std::abs(left + right - whole) <= tolerance) return left + right;
+  if (depth == 0 || !(std::abs(left + right - whole) > tolerance)) return left + right;
   return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
          integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
 }

@@ -56,8 +56,9 @@ class ImportWriter {
    * cannot be read. */
   std::string copyFile(const std::string& path);
   /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`, for
-   * line(). The mesh transformed by `placement` extends the bounds; the caller writes the Transform. */
-  std::string meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
+   * line(). The mesh transformed by `placement` extends the bounds; the caller writes the Transform. No
+   * placement: an object, whose instances extend the bounds. */
+  std::string meshShape(const std::string& hint, const MeshData& mesh, const std::optional<Mat4d>& placement,
                         const std::string& parameters = {});
   /** Defines a texture of a kind ("spectrum" or "float") with a picture that addFile() returned; returns its
    * name. */
@@ -68,7 +69,7 @@ class ImportWriter {
  private:
   SceneImport& import;
   const ImportContext& context;
-  std::map<std::string, int> used;
+  std::map<std::string, int> used; ///< names, with the number of the last repetition
 };
 
 /** Scene-file text of a value: numbers with as many digits as identify them; names in quotes, with invalid
