@@ -80,12 +80,14 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
   static std::atomic<unsigned> counter{0};
   // A file of this name can belong to a process with the same id in another container or on another host, or
   // to one that was killed.
+  constexpr int MAX_TRIES = 100'000;
+  int tries = 0;
   do {
     temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
                                      std::to_string(counter.fetch_add(1)) + ".tmp"))
                     .string();
     descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor < 0 && errno == EEXIST);
+  } while (descriptor < 0 && errno == EEXIST && ++tries < MAX_TRIES);
   if (descriptor < 0) {
     temporary.clear();
     fail(errno);

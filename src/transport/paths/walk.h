@@ -98,9 +98,6 @@ inline Rgb dispersedColour(const SurfacePoint& point, const Scatter& s, float& w
   return wavelengthColour(wavelength);
 }
 
-/** Footprint of a pixel sample where its camera ray has arrived: direction and width. */
-inline Footprint footprint(const CameraRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
-
 /** BSDF at a hit, after the material's surface detail has been applied; null where rays pass through. */
 inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena) {
   if (!hit.material) return nullptr;

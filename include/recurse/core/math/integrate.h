@@ -28,8 +28,9 @@ double integrate(const F& f, double a, double b, double tolerance, double whole,
   return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
          integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
 }
-/** Adaptive quadrature with a tolerance relative to gauss7() of [a, b], and up to 31 halvings. For finite
- * functions of one sign: where parts cancel, or a value is NaN, f may be called 3e10 times. */
+/** Adaptive quadrature with a tolerance relative to gauss7() of [a, b], and up to 31 halvings. For
+ * functions of one sign: where parts cancel, f may be called 3e10 times. The result is NaN where a value is.
+ */
 template <class F> double integrate(const F& f, double a, double b, double relativeTolerance) {
   const double whole = gauss7(f, a, b);
   return integrate(f, a, b, relativeTolerance * std::abs(whole), whole, 30);

@@ -57,7 +57,7 @@ struct FigureCurve {
 struct FigurePlot {
   std::string name, xName, yName;
   std::vector<FigureCurve> curves;
-  double slope = 0; ///< of the dashed line for comparison, negative; 0: none
+  double slope = 0; ///< of the dashed line for comparison; 0: none
 };
 
 /** Sheet of panels of the same size with their names, and of a plot below them unless it is null. */

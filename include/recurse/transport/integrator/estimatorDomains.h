@@ -36,7 +36,8 @@ struct DomainReport {
   std::string text() const;
 };
 
-/** Compares the domains with each other and with the paths that they should cover; `onlyPanes` is ignored.
+/** Compares the domains with each other and with the paths that they should cover. An `onlyPanes`
+ * estimator covers none.
  * Throws Error naming the estimator for an expression that does not compile. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
 
