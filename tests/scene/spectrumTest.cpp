@@ -65,6 +65,12 @@ TEST(Spectrum, ReflectancesStayInGamut) {
       EXPECT_LE(c[i], 1) << at;
     }
   }
+  for (double at = 410; at < 700; at += 10)
+    for (const bool rises : {false, true}) {
+      const Rgbd c =
+          rgbOfSpectrum({{at - 1, at}, {rises ? 0.0 : 1.0, rises ? 1.0 : 0.0}}, SpectrumKind::ALBEDO);
+      EXPECT_LE(std::max({c.r, c.g, c.b}), 1) << at;
+    }
   const Rgbd red = rgbOfSpectrum({{599, 601}, {0, 1}}, SpectrumKind::ALBEDO);
   EXPECT_GT(red.r, 2 * red.g);
 }

@@ -199,7 +199,10 @@ Rgbd Parameters::spectrumOf(const Bound& b, const ParsedParameter& v) const {
     return rgbOfSpectrum(spectrum, b.kind);
   }
   const std::string& spectrumName = v.strings[0];
-  if (const auto rgb = rgbOfNamedSpectrum(spectrumName)) return *rgb;
+  if (const auto rgb = rgbOfNamedSpectrum(spectrumName)) {
+    checked({rgb->r, rgb->g, rgb->b});
+    return *rgb;
+  }
   std::string tried;
   const std::string path = sceneFile::findFile(
       spectrumName, v.directory.empty() ? baseDirectory : v.directory, topDirectory, tried);

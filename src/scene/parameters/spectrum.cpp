@@ -184,7 +184,10 @@ Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind) {
   if (kind != SpectrumKind::ILLUMINANT && !v.empty() &&
       std::all_of(v.begin(), v.end(), [&](double x) { return x == v[0]; }))
     return Rgbd(v[0]);
-  return convert([&](int w) { return spectrum.at(w); }, kind);
+  const Rgbd colour = convert([&](int w) { return spectrum.at(w); }, kind);
+  if (kind != SpectrumKind::ALBEDO || v.empty()) return colour;
+  // A saturated reflectance that absorbs at all wavelengths must not amplify a channel.
+  return min(colour, Rgbd(std::max(1.0, *std::max_element(v.begin(), v.end()))));
 }
 
 std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths) {
