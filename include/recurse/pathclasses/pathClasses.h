@@ -78,7 +78,7 @@ class PathClasses {
   size_t lightStateCount() const { return lightStates; }
   size_t cameraStateCount() const { return cameraDead.size(); }
 
-  /** State after reading L, of a light without a name. */
+  /** State after reading L, of a light without a name; of one of the lights if the expressions name all. */
   LightState lightStart() const { return lightStartState; }
   /** State after reading L, of a light by its index in PathNames. */
   LightState lightStart(size_t light) const {

@@ -37,7 +37,7 @@ class Watchdog {
 };
 
 /** Result of work(), in which checkInterrupted() throws soon after isToEnd(), called from another thread,
- * becomes true. A flag of an InterruptibleWork around it has no effect inside. */
+ * becomes true; isToEnd() must not throw. A flag of an InterruptibleWork around it has no effect inside. */
 template <class Work> auto interruptibly(const std::function<bool()>& isToEnd, const Work& work) {
   std::atomic<bool> isEnding{false};
   const Watchdog watchdog([&] {

@@ -96,7 +96,8 @@ class ScatteringPoint {
     const Vec3f local = frame.toLocal(wi);
     return pdfNonDelta(wi, wo) * nonDeltaProbability(local);
   }
-  /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]. */
+  /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]; with a guide, of
+   * radiance only. */
   float pdfNonDelta(const Vec3f& wi, const Vec3f& wo) const {
     const float byBsdf = pdfBsdf(wi, wo);
     if (!guide) return byBsdf;
@@ -205,6 +206,7 @@ class ScatteringPoint {
   /** Refraction step of a camera path; of several, one is sampled, and its weight represents all. */
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
 
+  /** Shading normal. */
   const Vec3f& normal() const { return frame.z; }
 
  private:

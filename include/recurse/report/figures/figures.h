@@ -1,5 +1,6 @@
 /** @file
- * Figures: pictures of the techniques of a method side by side, each with its contributions alone.
+ * Figures: pictures of the techniques of a method side by side, each with its contributions alone. Functions
+ * return early once `stop` is true; their pictures are then incomplete or missing.
  */
 #pragma once
 

@@ -10,7 +10,7 @@
 namespace recurse {
 
 /** Weights of the samples of a reflectance: the sum of weights times samples is the colour of rgbOfSpectrum()
- * before it is moved into the gamut. Wavelengths [nm] increase. */
+ * before it is moved into the gamut. Wavelengths [nm] increase; at least one. */
 std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths);
 
 /** Colour without negative components: moved towards the grey of its luminance; black where the luminance is

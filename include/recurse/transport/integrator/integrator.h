@@ -304,7 +304,8 @@ class Integrator {
   virtual void visitPatches(const std::function<void(const RadiosityPatch&)>& /*visit*/) const {}
   /** Index of the patch at a hit, in the order of visitPatches(); none where the surface is not divided. */
   virtual std::optional<uint32_t> patchAt(const Hit&) const { return {}; }
-  /** Samples a point of a patch, uniform in the surface's coordinates. The patch must exist. */
+  /** Samples a point of a patch where alpha leaves it opaque, uniform in the surface's coordinates. The patch
+   * must exist. */
   virtual SurfacePoint samplePatch(uint32_t /*patch*/, Sampler&) const { return {}; }
   /** Whether forward() learns directions of incident light for camera paths. */
   virtual bool learnsDirections() const { return false; }

@@ -31,7 +31,8 @@ class Passes {
   PassSchedule schedule() const { return kind; }
   /** Minimum number of samples of each pixel in a render. */
   int64_t minSamples() const { return count; }
-  /** First sample of a pass, out of `samples` of each pixel. */
+  /** First sample of a pass, out of `samples` of each pixel; may be above `samples` for the pass after the
+   * last. */
   int64_t begin(int64_t pass, int64_t samples) const {
     if (kind == PassSchedule::PER_SAMPLE) return pass;
     if (kind == PassSchedule::DOUBLING) return pass == 0 ? 0 : int64_t(1) << std::min<int64_t>(pass - 1, 62);

@@ -12,8 +12,9 @@
 namespace recurse {
 
 /** Names for path classes: lights by their number in the light table, then media by their index less one;
- * objects by Hit::object, each with its common and its numbered name; materials by Material::number. A lamp
- * without a name is called `light-N` by its number, an emissive medium without a name `medium-N`. */
+ * objects by Hit::object, each with its common and its numbered name; materials by Material::number. The N-th
+ * lamp of Scene::lamps(), from 1, is called `light-N` if it has no name, the N-th medium `medium-N`; names that
+ * are taken get "_" at their end. */
 PathNames pathNames(const Scene& scene);
 
 /** Path classes whose expressions may name lamps and surfaces of the scene. Throws Error like PathClasses. */
@@ -23,7 +24,7 @@ PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
 struct LampGroup {
   std::string name;  ///< in path expressions
   std::string place; ///< kind and place in the file, such as `point, scene.pbrt:12`
-  double power = 0;  ///< sum over its lights [W], in the strongest channel; unknown for media
+  double power = 0;  ///< sum over its lights [W], in the strongest channel; 0, unknown, for media
   bool isMedium = false;
 };
 
