@@ -94,6 +94,12 @@ TEST(EstimateFigure, PanelsHaveTheSupportsOfTheEstimates) {
   EXPECT_EQ(bias.low, -bias.high);
 }
 
+TEST(EstimateFigure, ZeroIsNeutralAlsoOnAScaleWithoutExtent) {
+  const ColourScale empty{.low = 0, .high = 0, .diverging = true},
+      wide{.low = -1, .high = 1, .diverging = true};
+  EXPECT_EQ(empty.colour(0), wide.colour(0));
+}
+
 std::unique_ptr<Integrator> oneMapOf(const std::string& parameters) {
   return integratorFrom("photonmap",
                         "\"integer passes\" 1 \"integer finalgather\" 0 \"string direct\" \"photons\" "
