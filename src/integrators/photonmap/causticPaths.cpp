@@ -69,8 +69,8 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     return result.merging;
   }
   float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
-                  const Vec3f& direction) const override {
-    return photons.rayWeight(scene, merge, hit, direction);
+                  const Ray& ray) const override {
+    return photons.rayWeight(scene, merge, hit, ray.direction);
   }
   float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
                   const Ray& ray) const override {
