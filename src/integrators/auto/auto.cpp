@@ -94,10 +94,9 @@ class Auto final : public Integrator {
     const PhotonPass& photons = mapper->photonPass();
     const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
     if (photons.caustics().map.empty() && !causticsInMedia) return true;
-    bool met = true; // whether rays can hit all lights; they rarely hit far ones
-    for (uint32_t i = 0; i < scene.lights().size(); ++i)
-      met = met && scene.lights()[i].isIntersectable() && !photons.isAimed(i);
-    return met;
+    for (uint32_t i = 0; i < scene.lights().size(); ++i) // rays rarely hit far lights
+      if (!scene.lights()[i].isIntersectable() || photons.isAimed(i)) return false;
+    return true;
   }
 
   /** Replaces photonmap by path tracing, with or without caustic photons, if a trial on a few blocks of the
@@ -105,22 +104,21 @@ class Auto final : public Integrator {
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics) {
     constexpr uint64_t STREAM = 0x747269616cull;
-    constexpr double PASS_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
-    constexpr double CLEARLY = 2;    // trials miss rare bright samples, of which paths have more
     const Pass passes[] = {{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time},
                            {hashCombine(pass.seed, STREAM + 1), 1, pass.schedule, pass.time}};
     const EstimatorTrial trial(scene, classes, passes[0].seed, pass.time);
-    const double pixels = double(scene.film().whole().area());
     using Rounds = EstimatorTrial::Rounds;
-    // Takes two rounds, each with the photons of its own pass. Returns the rays of a pass in `shotRays`.
-    const auto takeBoth = [&](PhotonMapper& photons, double& shotRays) {
+    using Figures = EstimatorTrial::Figures;
+    // Takes two rounds, each with the photons of its own pass. Sets the work of a pass of photons.
+    const auto takeBoth = [&](PhotonMapper& photons, double& work) {
+      constexpr double PHOTON_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
       Rounds rounds;
       for (uint32_t i = 0; i < 2; ++i) {
         const ForwardStatistics shot =
             photons.withPass(passes[i], scene, classes, control, [&] { rounds[i] = trial.take(photons, i); });
         statistics.counts.add(shot.counts);
         statistics.counts.add(rounds[i].counts);
-        shotRays = double(shot.counts.rays);
+        work = PHOTON_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
       }
       return rounds;
     };
@@ -129,45 +127,52 @@ class Auto final : public Integrator {
     paths->prepare(scene, classes);
     const Rounds traced{trial.take(*paths, 0), trial.take(*paths, 1)};
     for (const TrialSamples& samples : traced) statistics.counts.add(samples.counts);
-    double shot = 0;
-    const Rounds mapped = takeBoth(*mapper, shot);
-    EstimatorTrial::Figures byMap = EstimatorTrial::figures(mapped, traced);
-    byMap.work += PASS_RAY * shot / pixels;
-    EstimatorTrial::Figures byPaths = EstimatorTrial::figures(traced, mapped);
+    double photonWork = 0; // of a pass for each pixel [camera rays]
+    const Rounds mapped = takeBoth(*mapper, photonWork);
+    Figures byMap = EstimatorTrial::figures(mapped, traced);
+    byMap.work += photonWork;
+    Figures byPaths = EstimatorTrial::figures(traced, mapped);
     byPaths.add(mapper->photonPass().causticVarianceByRays() +
                 EstimatorTrial::missedVariance(traced, mapped));
     bool withCaustics = false;
     if (!mapper->photonPass().caustics().map.empty()) {
       std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights, &mapper->photonPass());
       causticPaths->prepare(scene, classes);
-      const Rounds both = takeBoth(*causticPaths, shot);
-      EstimatorTrial::Figures byBoth = EstimatorTrial::figures(both, mapped);
-      byBoth.work += PASS_RAY * shot / pixels;
+      const Rounds both = takeBoth(*causticPaths, photonWork);
+      Figures byBoth = EstimatorTrial::figures(both, mapped);
+      byBoth.work += photonWork;
       byBoth.add(EstimatorTrial::missedVariance(both, mapped));
       withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < 1;
       if (withCaustics) byPaths = byBoth;
     }
-    if (control.stopped()) return;
-    // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
-    constexpr double FEW = 64; // scenes in which paths are better have hundreds or more
-    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
-    if (EstimatorTrial::effectiveCount(traced) < FEW) {
-      statistics.notes.push_back(
-          "auto: photonmap: in the trial, path tracing found too few samples with light to compare");
+    if (control.stopped() || !arePathsBetter(EstimatorTrial::effectiveCount(traced), byMap.errorOver(byPaths),
+                                             withCaustics, statistics.notes))
       return;
-    }
-    const double ratio = byMap.errorOver(byPaths);
-    const bool arePathsBetter = ratio > CLEARLY;
-    statistics.notes.push_back(formatted(
-        "auto: %s: in a trial of equal work, the squared error of photonmap is %.3g times that of %s",
-        arePathsBetter ? rival : "photonmap", ratio, rival));
-    if (!arePathsBetter) return;
     if (withCaustics) {
       paths = makeCausticPaths(settings, &lights);
       paths->prepare(scene, classes);
       statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
     }
     instead = std::move(paths);
+  }
+
+  /** Decides by a trial with `samples` effective samples of paths, in which the squared error of photonmap is
+   * `ratio` times that of paths, and notes the decision. */
+  static bool arePathsBetter(double samples, double ratio, bool withCaustics,
+                             std::vector<std::string>& notes) {
+    // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
+    constexpr double FEW = 64;    // scenes in which paths are better have hundreds or more
+    constexpr double CLEARLY = 2; // trials miss rare bright samples, of which paths have more
+    if (samples < FEW) {
+      notes.push_back(
+          "auto: photonmap: in the trial, path tracing found too few samples with light to compare");
+      return false;
+    }
+    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
+    notes.push_back(formatted(
+        "auto: %s: in a trial of equal work, the squared error of photonmap is %.3g times that of %s",
+        ratio > CLEARLY ? rival : "photonmap", ratio, rival));
+    return ratio > CLEARLY;
   }
 
   PhotonMappingSettings settings;

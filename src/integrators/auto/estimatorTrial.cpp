@@ -3,7 +3,6 @@
  */
 #include "integrators/auto/estimatorTrial.h"
 
-#include <array>
 #include <numeric>
 
 #include "recurse/core/threads/parallel.h"

@@ -5,7 +5,6 @@
 #include "integrators/bidirectional/bidirectional.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <string_view>
 

@@ -68,14 +68,8 @@ class Bidirectional::CameraWalk {
   }
 
   void recordStep(const Scatter& s) {
-    recordedStep = out.recorder->addStep(
-        {.vertex = recordedVertex,
-         .event = path.delta ? PathEvent::S : PathEvent::D,
-         .lobe = s.lobe,
-         .direction = s.direction,
-         .throughput = path.throughput,
-         .pdf = path.delta ? 0 : s.pdf,
-         .pdfReverse = path.delta ? 0 : vertex.scattering->pdf(s.direction, vertex.wi)});
+    recordedStep = out.recorder->addStep(recurse::recordedStep(
+        recordedVertex, s, path.throughput, vertex.scattering->pdf(s.direction, vertex.wi)));
   }
 
   /** Records a light path, unless this walk has done so. Returns the index of its start. */

@@ -22,7 +22,7 @@ class CausticPhotons {
                     const OpticalPath& optical, const Sampler& sampler, PathRadiance& out) const = 0;
   /** MIS weight of a ray that hits an area light by way of mirrors and glass. */
   virtual float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
-                          const Vec3f& direction) const = 0;
+                          const Ray& ray) const = 0;
   /** MIS weight of a ray that leaves the scene, for one of its environment lights. */
   virtual float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
                           const Ray& ray) const = 0;

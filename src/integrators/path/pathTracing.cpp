@@ -185,14 +185,9 @@ class PathTracing final : public Integrator {
         }
         w.optical.travel(hit.t);
         if (hit.areaLight) {
-          Rgb radiance =
+          const Rgb radiance =
               emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
-          if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
-            radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), hit, direction);
-          if (PathRecorder* recorder = w.camera->out->recorder)
-            recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, hit, direction, w.bsdfRay,
-                      radiance);
-          addEmission(w, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
+          addEmission(w, rays[i], hit, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
         }
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
@@ -235,23 +230,27 @@ class PathTracing final : public Integrator {
     void addEnvironment(const BatchPath& w, const Ray& ray) const {
       const float length = w.optical.at(lengthFromInfinity(scene, ray.origin, ray.direction));
       for (size_t i = 0; i < scene.environment().size(); ++i) {
-        Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
-                                           settings.lightSamples);
-        if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
-          radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), i, ray);
-        if (PathRecorder* recorder = w.camera->out->recorder)
-          recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
-                    radiance);
-        addEmission(w, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
+        const Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
+                                                 settings.lightSamples);
+        addEmission(w, ray, i, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
       }
     }
 
-    /** Adds emission at the end of a path of optical `length`. */
-    void addEmission(const BatchPath& w, LightState light, const Rgb& radiance, float length) const {
+    /** Adds the emission of `source`, a hit or the number of an environment light, at the end of a path of
+     * optical `length`. */
+    template <class Source>
+    void addEmission(const BatchPath& w, const Ray& ray, const Source& source, LightState light, Rgb radiance,
+                     float length) const {
+      PathRadiance& out = *w.camera->out;
+      if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
+        radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), source, ray);
+      if (out.recorder)
+        recordHit(*out.recorder, w.recordedStep, scene, settings.lightSampler, source, ray.direction,
+                  w.bsdfRay, radiance);
       if (w.isScattered)
-        w.camera->out->add(light, w.state, w.throughput * radiance, length);
+        out.add(light, w.state, w.throughput * radiance, length);
       else
-        w.camera->out->addSeen(light, w.state, w.throughput * radiance, length);
+        out.addSeen(light, w.state, w.throughput * radiance, length);
     }
 
     /** Traces one shadow ray from each vertex. */
@@ -367,21 +366,11 @@ class PathTracing final : public Integrator {
                                     v.hit->point);
         }
         if (PathRecorder* recorder = w.camera->out->recorder)
-          w.recordedStep = recorder->addStep(stepOf(v, s));
+          w.recordedStep = recorder->addStep(
+              recordedStep(v.recorded, s, w.throughput, v.scattering->pdf(s.direction, v.wi)));
         active[alive] = &w;
         makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
       }
-    }
-
-    /** Record of a step, after the path's throughput has been updated. */
-    static RecordedStep stepOf(const Vertex& v, const Scatter& s) {
-      return {.vertex = v.recorded,
-              .event = s.specular() ? PathEvent::S : PathEvent::D,
-              .lobe = s.lobe,
-              .direction = s.direction,
-              .throughput = v.path->throughput,
-              .pdf = s.specular() ? 0 : s.pdf,
-              .pdfReverse = s.specular() ? 0 : v.scattering->pdf(s.direction, v.wi)};
     }
 
     const PathTracing& settings;

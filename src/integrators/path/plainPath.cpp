@@ -20,20 +20,12 @@ int recordVertex(PathRecorder& recorder, int step, const CameraVertex& vertex) {
       {.step = step, .position = vertex.point().position, .inMedium = true, .throughput = vertex.throughput});
 }
 
-RecordedStep recordedStepOf(int recorded, const CameraVertex& vertex, const Scatter& s,
-                            const Rgb& throughput) {
-  RecordedStep step{.vertex = recorded,
-                    .event = vertex.medium  ? PathEvent::V
-                             : s.specular() ? PathEvent::S
-                                            : PathEvent::D,
-                    .lobe = s.lobe,
-                    .direction = s.direction,
-                    .throughput = throughput};
-  if (!s.specular()) {
-    step.pdf = s.pdf;
-    step.pdfReverse = vertex.medium ? s.pdf : vertex.scattering->pdf(s.direction, vertex.wi);
-  }
-  return step;
+int recordStep(PathRecorder& recorder, int recorded, const CameraVertex& vertex, const Scatter& s,
+               const Rgb& throughput) {
+  RecordedStep step = recordedStep(recorded, s, throughput,
+                                   vertex.medium ? s.pdf : vertex.scattering->pdf(s.direction, vertex.wi));
+  if (vertex.medium) step.event = PathEvent::V;
+  return recorder.addStep(step);
 }
 
 /** Uniform density over the directions of a hemisphere. */
@@ -53,96 +45,137 @@ class UniformGuide final : public DirectionGuide {
   Frame frame;
 };
 
+/** A path from the camera, with the state that its estimators share. */
+class PlainPath {
+ public:
+  PlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
+            const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
+            const CausticPhotons* caustics)
+      : scene(scene), classes(out.pathClasses()), lights(lights), settings(settings), sampler(sampler),
+        out(out), caustics(caustics), walker(scene, classes, out.counts, settings.maxDepth),
+        path(startCameraSubpath(scene, classes, ray, out.counts)) {
+    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+  }
+
+  void trace() {
+    const auto emission = [&](const Hit* hit) { hit ? addHitLight(*hit) : addEnvironment(); };
+    const auto mediumEmission = [&](const Rgb& radiance) { addMediumEmission(radiance); };
+    while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
+      const int recorded = out.recorder ? recordVertex(*out.recorder, lastStep, vertex) : NOT_RECORDED;
+      if (!vertex.medium) chooseDirections();
+      LightSampleContext context{vertex.point().position};
+      float merging = 0;
+      if (vertex.isConnectable()) {
+        if (!vertex.medium) context = lightSampleContext(lights, vertex.point(), vertex.wi);
+        addDirectLight(context);
+        if (caustics && !vertex.medium)
+          merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
+                                  vertex.afterD, path.width, path.optical, sampler, out);
+      }
+      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+      if (!s) return;
+      if (out.recorder) lastStep = recordStep(*out.recorder, recorded, vertex, *s, path.throughput);
+      leave(*s, context, merging);
+    }
+  }
+
+ private:
+  void add(LightState light, const Rgb& radiance, float length) {
+    if (isScattered)
+      out.add(light, path.state, radiance, length);
+    else
+      out.addSeen(light, path.state, radiance, length);
+  }
+  /** Adds `emitted` of `source`, a hit or the number of an environment light, at the end of a path of optical
+   * `length`. */
+  template <class Source>
+  void addEmission(const Source& source, LightState light, const Rgb& emitted, float length) {
+    if (isBlack(emitted)) return;
+    const bool isShared = caustics && isScattered && !last.weighted; // caustic photons find it as well
+    const float weight = isShared ? caustics->rayWeight(scene, caustic.ratio(), source, path.ray) : 1;
+    if (out.recorder)
+      recordHit(*out.recorder, lastStep, scene, lights, source, path.ray.direction, last, emitted * weight);
+    add(light, path.throughput * emitted * weight, length);
+  }
+  void addHitLight(const Hit& hit) {
+    const SpectralPath spectral = path.spectral();
+    addEmission(hit, classes.lightStart(hit.lightIndex),
+                emittedRadiance(scene, lights, hit, path.ray.direction, last, settings.lightSamples,
+                                scene.hasMedia() ? &spectral : nullptr),
+                path.optical.length);
+  }
+  void addEnvironment() {
+    const SpectralPath spectral = path.spectral();
+    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, path.ray.direction));
+    for (size_t i = 0; i < scene.environment().size(); ++i)
+      addEmission(i, classes.lightStart(scene.environmentIndices()[i]),
+                  environmentRadiance(scene, lights, i, path.ray.direction, last, settings.lightSamples,
+                                      scene.hasMedia() ? &spectral : nullptr),
+                  length);
+  }
+  void addMediumEmission(const Rgb& radiance) {
+    if (out.recorder)
+      out.recorder->source = {.technique = PathTechnique::HIT, .step = lastStep, .end = path.from};
+    add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
+  }
+
+  /** Sets the density of the next direction at a surface, where it is not that of the BSDF. */
+  void chooseDirections() {
+    if (settings.guide) vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
+    if (!settings.sampleBsdf)
+      vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
+  }
+
+  void addDirectLight(const LightSampleContext& context) {
+    const int panes = panesLeft(settings.maxDepth, vertex.depth);
+    if (scene.hasMedia())
+      addSampledLightInMedia(scene, lights, context,
+                             {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
+                              vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
+                              true, path.optical},
+                             settings.lightSamples, panes, sampler, out);
+    else
+      addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+                      vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler, out,
+                      path.optical);
+  }
+
+  /** Sets the MIS weights of light that the ray from the vertex hits: against light samples in `context`, and
+   * against caustic photons of factor `merging`. */
+  void leave(const Scatter& s, const LightSampleContext& context, float merging) {
+    if (path.delta)
+      caustic.leaveDelta(-vertex.wi, s.direction, vertex.point());
+    else
+      caustic.leaveNonDelta(merging, merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s.direction) : 1,
+                            s.direction, vertex.point());
+    isScattered = isScattered || !path.delta;
+    if (vertex.medium || !passesPane(scene, *vertex.scattering, s))
+      last = {context, static_cast<float>(path.pdf), !path.delta};
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  const LightSampler& lights;
+  const PlainPathSettings& settings;
+  Sampler& sampler;
+  PathRadiance& out;
+  const CausticPhotons* caustics; ///< null: rays find caustics by chance
+  CameraWalker walker;
+  CameraSubpath path;
+  CameraVertex vertex;
+  std::optional<UniformGuide> uniform; ///< guide at the vertex, if BSDFs are not sampled
+  BsdfRay last;                        ///< ray that left the last vertex, panes aside
+  CausticRay caustic;
+  bool isScattered = false;   ///< has passed a non-delta vertex
+  int lastStep = CAMERA_STEP; ///< step by which the ray left, see PathRecorder
+};
+
 } // namespace
 
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
                     const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
                     const CausticPhotons* caustics) {
-  const PathClasses& classes = out.pathClasses();
-  CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
-  CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
-  if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-  CameraVertex vertex;
-  BsdfRay last;
-  CausticRay caustic;
-  bool isScattered = false;
-  PathRecorder* recorder = out.recorder;
-  int recordedStep = CAMERA_STEP;
-  const auto add = [&](LightState light, const Rgb& radiance, float length) {
-    if (isScattered)
-      out.add(light, path.state, radiance, length);
-    else
-      out.addSeen(light, path.state, radiance, length);
-  };
-  const auto addEmission = [&](const Hit* hit) {
-    const Vec3f& direction = path.ray.direction;
-    const SpectralPath spectral = path.spectral();
-    const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
-    const bool shared = caustics && isScattered && !last.weighted;
-    if (hit) {
-      const Rgb emitted =
-          emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia);
-      if (isBlack(emitted)) return;
-      const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1;
-      if (recorder)
-        recordHit(*recorder, recordedStep, scene, lights, *hit, direction, last, emitted * weight);
-      add(classes.lightStart(hit->lightIndex), path.throughput * emitted * weight, path.optical.length);
-      return;
-    }
-    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
-    for (size_t i = 0; i < scene.environment().size(); ++i) {
-      const Rgb emitted =
-          environmentRadiance(scene, lights, i, direction, last, settings.lightSamples, inMedia);
-      if (isBlack(emitted)) continue;
-      const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1;
-      if (recorder) recordHit(*recorder, recordedStep, scene, lights, i, direction, last, emitted * weight);
-      add(classes.lightStart(scene.environmentIndices()[i]), path.throughput * emitted * weight, length);
-    }
-  };
-  const auto addMediumEmission = [&](const Rgb& radiance) {
-    if (recorder)
-      recorder->source = {.technique = PathTechnique::HIT, .step = recordedStep, .end = path.from};
-    add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
-  };
-  while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
-    const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;
-    if (settings.guide && !vertex.medium)
-      vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
-    std::optional<UniformGuide> uniform;
-    if (!settings.sampleBsdf && !vertex.medium)
-      vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
-    LightSampleContext lightContext{vertex.point().position};
-    if (vertex.isConnectable()) {
-      if (!vertex.medium) lightContext = lightSampleContext(lights, vertex.point(), vertex.wi);
-      const int panes = panesLeft(settings.maxDepth, vertex.depth);
-      if (scene.hasMedia())
-        addSampledLightInMedia(scene, lights, lightContext,
-                               {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
-                                true, path.optical},
-                               settings.lightSamples, panes, sampler, out);
-      else
-        addSampledLight(scene, lights, lightContext, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
-                        vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
-                        out, path.optical);
-    }
-    float merging = 0;
-    if (caustics && vertex.isConnectable() && !vertex.medium)
-      merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
-                              vertex.afterD, path.width, path.optical, sampler, out);
-    const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
-    if (!s) break;
-    if (recorder) recordedStep = recorder->addStep(recordedStepOf(recorded, vertex, *s, path.throughput));
-    if (!path.delta)
-      caustic.leaveNonDelta(merging,
-                            merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,
-                            s->direction, vertex.point());
-    else
-      caustic.leaveDelta(-vertex.wi, s->direction, vertex.point());
-    isScattered = isScattered || !path.delta;
-    if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
-      last = {lightContext, static_cast<float>(path.pdf), !path.delta};
-  }
+  PlainPath(scene, ray, lights, settings, sampler, out, caustics).trace();
 }
 
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {

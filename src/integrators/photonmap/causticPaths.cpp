@@ -1,8 +1,6 @@
 /** @file
  * Path tracing with photons of caustics alone.
  */
-#include <utility>
-
 #include "integrators/path/pathTracing.h"
 #include "integrators/photonmap/photonMapping.h"
 #include "transport/density/gather.h"
@@ -15,35 +13,15 @@ namespace {
 class CausticPaths final : public PhotonMapper, private CausticPhotons {
  public:
   CausticPaths(const PhotonMappingSettings& s, const LightSampler* learnedLights, const PhotonPass* teacher)
-      : settings(s), photons(onlyCaustics(s)), lights(learnedLights ? *learnedLights : ownLights),
+      : PhotonMapper(onlyCaustics(s), learnedLights),
         pathTracer(makePathTracing({s.maxDepth, s.lightSamples}, this, &lights)) {
     if (teacher) photons.learnFrom(*teacher);
   }
 
-  Passes passes(int /*samplesPerPixel*/) const override { return settings.passes; }
-  uint64_t photonsEmitted(const Scene& scene) const override {
-    return photons.photonCount(scene, settings.passes.schedule() != PassSchedule::ONE_MAP);
-  }
-  bool passHasOneTime() const override { return true; }
-  bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
-  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
-
   void prepare(const Scene& scene, const PathClasses& classes) override {
-    if (&lights == &ownLights && settings.without != Mechanism::LIGHT_LEARNING)
-      learned = ownLights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
+    PhotonMapper::prepare(scene, classes);
     pathTracer->prepare(scene, classes);
   }
-  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                            const ForwardControl& control) override {
-    ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
-    statistics.counts.add(std::exchange(learned, {}));
-    return statistics;
-  }
-  ForwardStatistics withPass(const Pass& other, const Scene& scene, const PathClasses& classes,
-                             const ForwardControl& control, const std::function<void()>& use) override {
-    return photons.with(other, scene, classes, control, lights, use);
-  }
-  const PhotonPass& photonPass() const override { return photons; }
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     visitMap(photons.caustics().map, true, visit);
   }
@@ -68,7 +46,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   }
 
  private:
-  static PhotonPassSettings onlyCaustics(PhotonPassSettings settings) {
+  static PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings) {
     settings.causticsOnly = true;
     settings.directLight = false;
     return settings;
@@ -91,19 +69,14 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     return result.merging;
   }
   float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
-                  const Vec3f& direction) const override {
-    return photons.rayWeight(scene, merge, hit, direction);
+                  const Ray& ray) const override {
+    return photons.rayWeight(scene, merge, hit, ray.direction);
   }
   float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
                   const Ray& ray) const override {
     return photons.rayWeight(scene, merge, environment, ray);
   }
 
-  PhotonMappingSettings settings;
-  PhotonPass photons;
-  LightSampler ownLights;
-  const LightSampler& lights;
-  TransportCounts learned; ///< counts of light learning, until forward() returns them
   std::unique_ptr<Integrator> pathTracer;
 };
 

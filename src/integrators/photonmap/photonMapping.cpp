@@ -30,7 +30,7 @@ std::vector<std::string> mechanismNames() {
   return names;
 }
 
-/** Parameters that photonmap and sppm share. */
+/** Settings that photonmap and sppm share. */
 PhotonMappingSettings common(const Parameters& p) {
   PhotonMappingSettings s;
   s.radius = p.hasValue("radius") ? p.real("radius") : 0;
@@ -54,74 +54,83 @@ PhotonMappingSettings common(const Parameters& p) {
   return s;
 }
 
-std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
-  more.insert(
-      more.end(),
-      {integerParameter("gatherphotons", "",
-                        "number of nearest photons of a density estimate in the first pass. By default 50 to "
-                        "100 for one pass, by the size of a pixel; 8 to 40 for many passes, then adapted to "
-                        "local noise and blur. With a radius alone: all photons within it")
-           .range(1, 1e6),
-       realParameter(
-           "alpha", "0.666666667",
-           "reduction of the radius in progressive renders: the radius of pass i is about i^((alpha-1)/2) "
-           "times the first; between 0 (fastest) and 1 (constant). The error decreases fastest with 2/3")
-           .range(0.01, 1),
-       realParameter(
-           "radius", "",
-           "radius of a density estimate [scene units]; by default chosen from the density of photons")
-           .range(0, MAX_RADIUS)
-           .positive(),
-       maxDepthParameter("a camera path, and of a photon"),
-       stringParameter("direct", "shadowrays",
-                       "estimator of direct light: shadow rays, or photons as for all other light")
-           .oneOf({"shadowrays", "photons"}),
-       booleanParameter("guided", "true",
-                        "guide photons to surfaces that the camera sees, learned from trial photons; "
-                        "unbiased, and used only where it reduces the variance"),
-       booleanParameter("edges", "true",
-                        "boundary correction: divide by the area of surface within the radius, which rays "
-                        "measure near edges, walls and on curved surfaces, and in media by the enclosed "
-                        "volume. false: divide by the whole disc, which darkens edges"),
-       integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
-       realParameter("weightlimit", "0.03",
-                     "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
-                     "weight of each is larger; else Russian roulette chooses one")
-           .range(1e-6, 1),
-       stringParameter("volumephotons", "points",
-                       "storage of light in media: points of scattering, or photon beams along flights, in "
-                       "homogeneous media only; beams are sharper in thin media, and slower")
-           .oneOf({"points", "beams"}),
-       realParameter("flatness", "0.2",
-                     "height of the search region divided by its radius: small values avoid light leaks "
-                     "around corners, large values find photons on curved surfaces")
-           .range(1e-3, 1),
-       realParameter("followroughness", "0.2",
-                     "roughness threshold: a sharper lobe than that of a metal of this roughness is sampled "
-                     "by a ray as for mirrors, although its path class is D; a broader lobe uses the photon "
-                     "map, with MIS of both near the threshold. 0: always the photon map")
-           .range(0, 10),
-       integerParameter("finalgather", "-1",
-                        "final gathering: number of rays from the first non-delta surface of a path; the "
-                        "photon map is read where they end, and at the first surface for caustics only. 0: "
-                        "none; -1: with many passes, one ray where its error is smaller than that of the map")
-           .range(-1, 1e5),
-       booleanParameter(
-           "shareirradiance", "true",
-           "final gather rays read cached irradiance; false: each makes a density estimate of its own. Path "
-           "classes and surfaces that are not diffuse and flat always use density estimates"),
-       stringParameter("kernel", "epanechnikov", "weight of photons by distance")
-           .oneOf({"constant", "cone", "epanechnikov"}),
-       stringParameter("photonindex", "kdtree",
-                       "search structure of the photons; flann is slower, and only for comparison")
-           .oneOf({"kdtree", "flann"}),
-       stringParameter("without", "nothing",
-                       "for studies of one mechanism, switch it off: lights chosen by position, openings for "
-                       "shadow rays, guided emission, openings for emission, "
-                       "aiming of far lamps, splitting of strong photons, "
-                       "radii chosen by error, MIS weights of photons and rays")
-           .oneOf(mechanismNames())});
-  return more;
+std::vector<ParameterSpec> densityEstimateParameters() {
+  return {
+      integerParameter("gatherphotons", "",
+                       "number of nearest photons of a density estimate in the first pass. By default 50 to "
+                       "100 for one pass, by the size of a pixel; 8 to 40 for many passes, then adapted to "
+                       "local noise and blur. With a radius alone: all photons within it")
+          .range(1, 1e6),
+      realParameter(
+          "alpha", "0.666666667",
+          "reduction of the radius in progressive renders: the radius of pass i is about i^((alpha-1)/2) "
+          "times the first; between 0 (fastest) and 1 (constant). The error decreases fastest with 2/3")
+          .range(0.01, 1),
+      realParameter(
+          "radius", "",
+          "radius of a density estimate [scene units]; by default chosen from the density of photons")
+          .range(0, MAX_RADIUS)
+          .positive(),
+      realParameter("flatness", "0.2",
+                    "height of the search region divided by its radius: small values avoid light leaks "
+                    "around corners, large values find photons on curved surfaces")
+          .range(1e-3, 1),
+      booleanParameter("edges", "true",
+                       "boundary correction: divide by the area of surface within the radius, which rays "
+                       "measure near edges, walls and on curved surfaces, and in media by the enclosed "
+                       "volume. false: divide by the whole disc, which darkens edges"),
+      stringParameter("kernel", "epanechnikov", "weight of photons by distance")
+          .oneOf({"constant", "cone", "epanechnikov"}),
+      stringParameter("photonindex", "kdtree",
+                      "search structure of the photons; flann is slower, and only for comparison")
+          .oneOf({"kdtree", "flann"})};
+}
+
+std::vector<ParameterSpec> transportParameters() {
+  return {
+      maxDepthParameter("a camera path, and of a photon"),
+      stringParameter("direct", "shadowrays",
+                      "estimator of direct light: shadow rays, or photons as for all other light")
+          .oneOf({"shadowrays", "photons"}),
+      booleanParameter("guided", "true",
+                       "guide photons to surfaces that the camera sees, learned from trial photons; "
+                       "unbiased, and used only where it reduces the variance"),
+      integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
+      realParameter("weightlimit", "0.03",
+                    "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
+                    "weight of each is larger; else Russian roulette chooses one")
+          .range(1e-6, 1),
+      stringParameter("volumephotons", "points",
+                      "storage of light in media: points of scattering, or photon beams along flights, in "
+                      "homogeneous media only; beams are sharper in thin media, and slower")
+          .oneOf({"points", "beams"}),
+      realParameter("followroughness", "0.2",
+                    "roughness threshold: a sharper lobe than that of a metal of this roughness is sampled "
+                    "by a ray as for mirrors, although its path class is D; a broader lobe uses the photon "
+                    "map, with MIS of both near the threshold. 0: always the photon map")
+          .range(0, 10),
+      integerParameter("finalgather", "-1",
+                       "final gathering: number of rays from the first non-delta surface of a path; the "
+                       "photon map is read where they end, and at the first surface for caustics only. 0: "
+                       "none; -1: with many passes, one ray where its error is smaller than that of the map")
+          .range(-1, 1e5),
+      booleanParameter(
+          "shareirradiance", "true",
+          "final gather rays read cached irradiance; false: each makes a density estimate of its own. Path "
+          "classes and surfaces that are not diffuse and flat always use density estimates"),
+      stringParameter("without", "nothing",
+                      "for studies of one mechanism, switch it off: lights chosen by position, openings for "
+                      "shadow rays, guided emission, openings for emission, "
+                      "aiming of far lamps, splitting of strong photons, "
+                      "radii chosen by error, MIS weights of photons and rays")
+          .oneOf(mechanismNames())};
+}
+
+/** Adds the parameters that photonmap and sppm share. */
+std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> all) {
+  for (const auto& shared : {densityEstimateParameters(), transportParameters()})
+    all.insert(all.end(), shared.begin(), shared.end());
+  return all;
 }
 
 } // namespace

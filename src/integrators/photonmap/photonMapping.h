@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <utility>
+
 #include "integrators/photonmap/photonPass.h"
 #include "recurse/scene/parameters/parameters.h"
 
@@ -16,14 +18,49 @@ struct PhotonMappingSettings : PhotonPassSettings {
   float weightLimit = 0.03f;
 };
 
+/** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;
+ * integrators with photon maps do not support such scenes. */
+bool hasMediaWithoutEnd(const Scene& scene);
+
 /** Integrator with photon maps, which also gives access to its photons, to judge their benefit. */
 class PhotonMapper : public Integrator {
  public:
+  /** `learnedLights`: has learned the scene; null: prepare() learns a light sampler. */
+  PhotonMapper(const PhotonMappingSettings& settings, const LightSampler* learnedLights)
+      : settings(settings), photons(settings), lights(learnedLights ? *learnedLights : ownLights) {}
+
+  Passes passes(int /*samplesPerPixel*/) const override { return settings.passes; }
+  uint64_t photonsEmitted(const Scene& scene) const override {
+    return photons.photonCount(scene, settings.passes.schedule() != PassSchedule::ONE_MAP);
+  }
+  bool passHasOneTime() const override { return true; }
+  bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
+  void prepare(const Scene& scene, const PathClasses&) override {
+    learned = {};
+    if (&lights == &ownLights && !settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
+      learned = ownLights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
+  }
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
+    statistics.counts.add(std::exchange(learned, {}));
+    return statistics;
+  }
   /** Photons of the latest forward(). */
-  virtual const PhotonPass& photonPass() const = 0;
+  const PhotonPass& photonPass() const { return photons; }
   /** Calls `use` with the photons of `other`, a pass after the first, and then restores the photons. */
-  virtual ForwardStatistics withPass(const Pass& other, const Scene& scene, const PathClasses& classes,
-                                     const ForwardControl& control, const std::function<void()>& use) = 0;
+  ForwardStatistics withPass(const Pass& other, const Scene& scene, const PathClasses& classes,
+                             const ForwardControl& control, const std::function<void()>& use) {
+    return photons.with(other, scene, classes, control, lights, use);
+  }
+
+ protected:
+  PhotonMappingSettings settings;
+  PhotonPass photons;
+  LightSampler ownLights;
+  const LightSampler& lights;
+  TransportCounts learned; ///< counts of light learning, until forward() returns them
 };
 
 /** Photon mapping: emitted light, plus the photon maps' estimate at non-delta surfaces, plus mirror and
@@ -36,10 +73,6 @@ std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& set
 std::unique_ptr<PhotonMapper> makeCausticPaths(const PhotonMappingSettings& settings,
                                                const LightSampler* lights = nullptr,
                                                const PhotonPass* teacher = nullptr);
-
-/** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;
- * integrators with photon maps do not support such scenes. */
-bool hasMediaWithoutEnd(const Scene& scene);
 
 /** Parameters of photonmap that other plug-ins share. */
 std::vector<ParameterSpec> photonMappingParameters();

@@ -10,21 +10,14 @@
 #include <array>
 #include <utility>
 
-#include "recurse/core/threads/processorTime.h"
 #include "transport/density/storedPhotons.h"
+#include "transport/paths/recordedSample.h"
 
 namespace recurse {
 
-void PhotonMapping::prepare(const Scene& scene, const PathClasses&) {
-  learned = {};
-  if (&lights == &ownLights && !settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
-    learned = ownLights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
-}
-
 ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
-  ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
-  statistics.counts.add(std::exchange(learned, {}));
+  const ForwardStatistics statistics = PhotonMapper::forward(scene, classes, pass, control);
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared =
@@ -121,69 +114,74 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
 
 void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path,
                                 const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
-  const Hit& hit = vertex.hit;
-  const ScatteringPoint& scattering = *vertex.scattering;
-  if (!scattering.keepsPhotons()) {
+  if (!vertex.scattering->keepsPhotons()) {
     addByRays(scene, walker, std::move(path), vertex, sampler, out);
     return;
   }
   path.walk.state = vertex.afterD;
   if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
-  const Vec3f& wi = vertex.wi;
-  PhotonShare direct = std::exchange(path.direct, {});
-  direct.ratio.arrive(path.walk.ray.direction, hit.point);
-  direct.unknownWeight = std::exchange(path.share, 1);
-  LightSampleContext context;
+  VertexEstimates at;
+  at.direct = std::exchange(path.direct, {});
+  at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
+  at.direct.unknownWeight = std::exchange(path.share, 1);
   if (!settings.directLight) {
-    context = lightSampleContext(lights, hit.point, wi);
-    addDirectLight(scene, path, context, direct, vertex, sampler, out);
+    at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
+    addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
   }
-  Rgb unshared = path.sharedThroughput();
-  path.remainingWeight *= direct.unknownWeight;
-  float merging = 0;
-  PhotonQuery indirect;
-  if (direct.unknownWeight > 0) {
-    const PhotonLayer& caustics = photons.caustics();
-    merging =
-        addPhotons(scene, caustics, causticIrradiances,
-                   photons.query(caustics, hit.point, wi, scattering.lobes()), vertex, path, sampler, out)
-            .merging;
-    indirect = photons.query(photons.indirect(), hit.point, wi, scattering.lobes());
-    weighIndirect(path, indirect);
-    GatherSettings& gather = indirect.settings;
-    if (gather.unknownWeight > 0 || gather.merging > 0) {
-      const GatherResult used =
-          addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
-      gather.merging = used.merging;
-      gather.unknownWeight = used.unknownWeight;
-    }
-  }
+  at.directThroughput = path.sharedThroughput();
+  path.remainingWeight *= at.direct.unknownWeight;
+  if (at.direct.unknownWeight > 0) addFromMaps(scene, path, vertex, sampler, at, out);
 
   const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
   path.walk.throughput /= static_cast<float>(rays);
-  unshared /= static_cast<float>(rays);
-  for (int i = 0; i < rays && !out.abandoned(); ++i) {
-    Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i));
-    const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
-    if (!s) continue;
-    PathState next = path.afterNonDelta(walker, vertex, *s);
-    recordStep(vertex, *s, next, out);
-    next.byRays = false;
-    // Estimates at Lambertian surfaces use photons of all directions.
-    next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
-    next.share = direct.unknownWeight > 0 ? 1 - indirect.settings.unknownWeight * (1 - next.lightShare) : 0;
-    if (indirect.settings.weighedAgainstRays && !scene.hasMedia())
-      next.direct = {1 - next.lightShare,
-                     MergeRatio(indirect.settings.merging, s->pdf, s->direction, hit.point)};
-    if (direct.merged == 0)
-      next.shared = {};
-    else
-      next.shared = {direct, unshared * s->weight, scattering.pdfNonDelta(s->direction, wi),
-                     absDot(s->direction, hit.point.geometricNormal)};
-    next.bsdfRay = settings.directLight ? BsdfRay() : BsdfRay{context, s->pdf, true};
-    next.merge = MergeRatio(merging, s->pdf, s->direction, hit.point);
-    if (next.share > 0 || next.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, branch, out);
-  }
+  at.directThroughput /= static_cast<float>(rays);
+  for (int i = 0; i < rays && !out.abandoned(); ++i)
+    followNonDelta(scene, walker, path, vertex, at,
+                   sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i)), out);
+}
+
+void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const CameraVertex& vertex,
+                                const Sampler& sampler, VertexEstimates& at, PathRadiance& out) const {
+  const auto query = [&](const PhotonLayer& layer) {
+    return photons.query(layer, vertex.point(), vertex.wi, vertex.scattering->lobes());
+  };
+  at.causticMerging = addPhotons(scene, photons.caustics(), causticIrradiances, query(photons.caustics()),
+                                 vertex, path, sampler, out)
+                          .merging;
+  PhotonQuery indirect = query(photons.indirect());
+  weighIndirect(path, indirect);
+  const GatherSettings& gather = indirect.settings;
+  at.weighsIndirect = gather.weighedAgainstRays;
+  at.indirect.merging = gather.merging;
+  at.indirect.unknownWeight = gather.unknownWeight;
+  if (gather.unknownWeight > 0 || gather.merging > 0)
+    at.indirect = addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
+}
+
+void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walker, const PathState& path,
+                                   const CameraVertex& vertex, const VertexEstimates& at, Sampler sampler,
+                                   PathRadiance& out) const {
+  const ScatteringPoint& scattering = *vertex.scattering;
+  const std::optional<Scatter> s = scattering.scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler);
+  if (!s) return;
+  PathState next = path.afterNonDelta(walker, vertex, *s);
+  recordStep(vertex, *s, next, out);
+  next.byRays = at.byRays;
+  // Estimates at Lambertian surfaces use photons of all directions.
+  next.lightShare = at.byRays ? 1 : scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
+  next.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - next.lightShare) : 0;
+  if (at.weighsIndirect && !scene.hasMedia())
+    next.direct = {1 - next.lightShare,
+                   MergeRatio(at.indirect.merging, s->pdf, s->direction, vertex.point())};
+  if (at.direct.merged == 0)
+    next.shared = {};
+  else
+    next.shared = {at.direct, at.directThroughput * s->weight,
+                   scattering.pdfNonDelta(s->direction, vertex.wi),
+                   absDot(s->direction, vertex.point().geometricNormal)};
+  next.bsdfRay = settings.directLight && !at.byRays ? BsdfRay() : BsdfRay{at.context, s->pdf, true};
+  next.merge = MergeRatio(at.causticMerging, s->pdf, s->direction, vertex.point());
+  if (next.share > 0 || next.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
 }
 
 void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
@@ -191,34 +189,21 @@ void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, Pa
   path.walk.state = vertex.afterD;
   path.remainingWeight *= std::exchange(path.share, 1);
   path.direct = {};
-  path.shared = {};
   if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
-  const LightSampleContext context = lightSampleContext(lights, vertex.point(), vertex.wi);
-  addDirectLight(scene, path, context, {}, vertex, sampler, out);
-  Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2);
-  const std::optional<Scatter> s = vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, branch);
-  if (!s) return;
-  PathState next = path.afterNonDelta(walker, vertex, *s);
-  recordStep(vertex, *s, next, out);
-  next.lightShare = 1;
-  next.byRays = true;
-  next.bsdfRay = {context, s->pdf, true};
-  next.merge = MergeRatio();
-  trace(scene, next, branch, out);
+  VertexEstimates at;
+  at.byRays = true;
+  at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
+  at.indirect.unknownWeight = 0;
+  addDirectLight(scene, path, at.context, {}, vertex, sampler, out);
+  followNonDelta(scene, walker, path, vertex, at, sampler.fork(DeltaScatters::MAX_COUNT + 2), out);
 }
 
 void PhotonMapping::recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next,
                                PathRadiance& out) {
   if (!out.recorder) return;
-  const bool isDelta = s.specular();
-  next.recordedStep = out.recorder->addStep(
-      {.vertex = next.recordedVertex,
-       .event = isDelta ? PathEvent::S : PathEvent::D,
-       .lobe = s.lobe,
-       .direction = s.direction,
-       .throughput = next.sharedThroughput(),
-       .pdf = isDelta ? 0 : s.pdf,
-       .pdfReverse = isDelta ? 0 : vertex.scattering->pdfNonDelta(s.direction, vertex.wi)});
+  next.recordedStep =
+      out.recorder->addStep(recordedStep(next.recordedVertex, s, next.sharedThroughput(),
+                                         vertex.scattering->pdfNonDelta(s.direction, vertex.wi)));
 }
 
 void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const {

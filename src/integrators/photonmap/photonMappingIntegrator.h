@@ -9,29 +9,25 @@
 
 namespace recurse {
 
+/** Estimates at a non-delta vertex, against which the rays that leave it are weighted. */
+struct VertexEstimates {
+  bool byRays = false;         ///< no photons are stored there
+  LightSampleContext context;  ///< of the shadow rays
+  PhotonShare direct;          ///< of light that the shadow rays sample
+  Rgb directThroughput{0};     ///< throughput without the weight of `direct`
+  float causticMerging = 0;    ///< merging factor of caustic photons, see MergeRatio
+  bool weighsIndirect = false; ///< see GatherSettings::weighedAgainstRays
+  GatherResult indirect;       ///< weights of the photons of indirect light
+};
+
 /** See makePhotonMapping(). */
 class PhotonMapping final : public PhotonMapper {
  public:
-  PhotonMapping(const PhotonMappingSettings& settings, const LightSampler* learnedLights)
-      : settings(settings), photons(settings), lights(learnedLights ? *learnedLights : ownLights) {}
-
-  Passes passes(int /*samplesPerPixel*/) const override { return settings.passes; }
-  uint64_t photonsEmitted(const Scene& scene) const override {
-    return photons.photonCount(scene, settings.passes.schedule() != PassSchedule::ONE_MAP);
-  }
-  bool passHasOneTime() const override { return true; }
-  void prepare(const Scene& scene, const PathClasses&) override;
+  using PhotonMapper::PhotonMapper;
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override;
-  ForwardStatistics withPass(const Pass& other, const Scene& scene, const PathClasses& classes,
-                             const ForwardControl& control, const std::function<void()>& use) override {
-    return photons.with(other, scene, classes, control, lights, use);
-  }
-  const PhotonPass& photonPass() const override { return photons; }
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
   std::vector<EstimatorDomain> domains() const override;
-  bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
-  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
   std::string photonPaths() const override { return settings.directLight ? "all" : "all - LDE"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
@@ -50,6 +46,13 @@ class PhotonMapping final : public PhotonMapper {
   /** Adds light that non-delta lobes scatter along the path: direct light, photons, and rays that go on. */
   void addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
                    Sampler& sampler, PathRadiance& out) const;
+  /** Adds the estimates by both photon maps at a vertex. Sets their weights in `at`. */
+  void addFromMaps(const Scene& scene, const PathState& path, const CameraVertex& vertex,
+                   const Sampler& sampler, VertexEstimates& at, PathRadiance& out) const;
+  /** Continues by a non-delta lobe, for the light that the estimates at the vertex leave to rays. */
+  void followNonDelta(const Scene& scene, const CameraWalker& walker, const PathState& path,
+                      const CameraVertex& vertex, const VertexEstimates& at, Sampler sampler,
+                      PathRadiance& out) const;
   /** Adds light of non-delta lobes where no photons are stored: shadow rays, and a ray for other light. */
   void addByRays(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
                  Sampler& sampler, PathRadiance& out) const;
@@ -62,8 +65,7 @@ class PhotonMapping final : public PhotonMapper {
   }
 
   // -------------------------------------------------------------------------------------------------- media
-  /** Adds the light of the medium `number` up to the distance `end` [scene units], and attenuates the path.
-   */
+  /** Adds light of the medium `number` up to the distance `end` [scene units]; attenuates the path. */
   void passMedium(const Scene& scene, PathState& path, uint16_t number, float end, Sampler& sampler,
                   PathRadiance& out) const;
   /** Adds light that the medium scatters once more: direct light by shadow rays, other light by photons. */
@@ -112,11 +114,6 @@ class PhotonMapping final : public PhotonMapper {
   /** Settings of the photon search at the record itself. */
   GatherSettings atRecord(const PhotonLayer& layer, const PhotonQuery& query) const;
 
-  PhotonMappingSettings settings;
-  PhotonPass photons;
-  LightSampler ownLights;
-  const LightSampler& lights;
-  TransportCounts learned; ///< counts of light learning, until forward() returns them
   /** Irradiance at the records of the layers in this pass; empty unless final gathers share it. */
   IrradianceCache irradiances, causticIrradiances;
   Sampler recordSampler{0, 0, 0};

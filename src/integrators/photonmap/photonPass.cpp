@@ -41,45 +41,12 @@ uint64_t PhotonPass::photonCount(const Scene& scene, bool progressive) const {
 ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                   const ForwardControl& control, const LightSampler& shadowRays) {
   ForwardStatistics statistics;
-  double& learning = statistics.learningSeconds;
   progressive = pass.schedule != PassSchedule::ONE_MAP;
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
   if (pass.index > 0 && inVain) return statistics;
-  auto start = std::chrono::steady_clock::now();
-  ShootSettings shoot;
-  shoot.photons = photonCount(scene, progressive);
-  shoot.maxDepth = settings.maxDepth;
-  // The arrival density of photons is unknown behind media.
-  if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
-  shoot.direct = settings.directLight;
-  shoot.causticsOnly = settings.causticsOnly;
-  if (pass.index == 0) learnOutsideMedium(scene, statistics);
-  shoot.emission = emission();
-  if (scene.hasMedia() && !settings.causticsOnly) {
-    if (pass.index == 0) {
-      const ProcessorTimer timer(learning);
-      if (!emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
-        statistics.warnings.push_back("no photon found a path from the glowing medium: it lights nothing");
-    }
-    shoot.emission.media = &emissiveMedia;
-  }
-  if (pass.index == 0) {
-    guidance = {};
-    portals = {};
-    aim = {};
-    const ProcessorTimer timer(learning);
-    if (settings.guided && scene.lights().size() > 0)
-      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
-  }
-  shoot.region = &region;
-  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
-  if (scene.hasMedia() && !settings.causticsOnly) {
-    if (pass.index == 0) {
-      const ProcessorTimer timer(learning);
-      learnMedia(scene, classes, pass, shoot, control, statistics);
-    }
-    shoot.inMedia = media;
-  }
+  const auto start = std::chrono::steady_clock::now();
+  if (pass.index == 0) learnEmission(scene, classes, pass, control, shadowRays, statistics);
+  ShootSettings shoot = shootSettings(scene, shadowRays);
   shoot.lightPaths = control.lightPaths;
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
@@ -87,8 +54,50 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.photonsEmitted = shot.emittedHere;
   statistics.photonsStored = shot.storedHere;
   statistics.shootSeconds = secondsSince(start);
+  buildMaps(scene, pass, std::move(shot), statistics);
+  if (pass.index == 0) {
+    const ProcessorTimer timer(statistics.learningSeconds);
+    learnRadii(scene, classes, shadowRays, statistics);
+  }
+  return statistics;
+}
 
-  start = std::chrono::steady_clock::now();
+ShootSettings PhotonPass::shootSettings(const Scene& scene, const LightSampler& shadowRays) const {
+  ShootSettings shoot;
+  shoot.photons = photonCount(scene, progressive);
+  shoot.maxDepth = settings.maxDepth;
+  // The arrival density of photons is unknown behind media.
+  if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
+  shoot.direct = settings.directLight;
+  shoot.causticsOnly = settings.causticsOnly;
+  shoot.emission = emission();
+  if (usesMedia(scene)) shoot.emission.media = &emissiveMedia;
+  shoot.inMedia = media;
+  shoot.region = &region;
+  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
+  return shoot;
+}
+
+void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                               const ForwardControl& control, const LightSampler& shadowRays,
+                               ForwardStatistics& statistics) {
+  const ProcessorTimer timer(statistics.learningSeconds);
+  guidance = {};
+  portals = {};
+  aim = {};
+  media = {};
+  learnOutsideMedium(scene, statistics);
+  if (usesMedia(scene) && !emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
+    statistics.warnings.push_back("no photon found a path from the glowing medium: it lights nothing");
+  if (settings.guided && scene.lights().size() > 0)
+    learnGuidance(scene, classes, pass.seed, shootSettings(scene, shadowRays), control, statistics);
+  if (usesMedia(scene))
+    learnMedia(scene, classes, pass, shootSettings(scene, shadowRays), control, statistics);
+}
+
+void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot,
+                           ForwardStatistics& statistics) {
+  const auto start = std::chrono::steady_clock::now();
   const std::vector<float> lengths = causticsFirst(shot.stored, shot.lengths.onSurfaces);
   const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
                                                    [](const Photon& p) { return p.caustic; });
@@ -110,11 +119,6 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =
       causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + mediaPhotons.memoryBytes();
-  if (pass.index == 0) {
-    const ProcessorTimer timer(learning);
-    learnRadii(scene, classes, shadowRays, statistics);
-  }
-  return statistics;
 }
 
 void PhotonPass::learnFrom(const PhotonPass& other) {
@@ -188,7 +192,6 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
   const auto partOf = [](double wanted, size_t stored) {
     return static_cast<float>(std::min(1.0, wanted * double(TRIALS) / double(std::max<size_t>(1, stored))));
   };
-  media = {};
   media.byBeams.assign(scene.mediumCount() + 1u, false);
   for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
     media.byBeams[i] = settings.beams && keepsBeams(*scene.medium(i));

@@ -141,6 +141,15 @@ class PhotonPass {
   static constexpr size_t MIN_MAP = 800;
 
  private:
+  /** Whether photons are stored in media, and start in emissive media. */
+  bool usesMedia(const Scene& scene) const { return scene.hasMedia() && !settings.causticsOnly; }
+  /** Settings of a pass, by what is learned. */
+  ShootSettings shootSettings(const Scene& scene, const LightSampler& shadowRays) const;
+  void buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot, ForwardStatistics& statistics);
+  /** Learns from trial photons, once for all passes, where photons start and which are stored. */
+  void learnEmission(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                     const ForwardControl& control, const LightSampler& shadowRays,
+                     ForwardStatistics& statistics);
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);

@@ -33,8 +33,7 @@ bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& c
   return false;
 }
 
-/** Whether a ray along the surface hits a wall. Glass and water are walls: light differs on their two sides.
- */
+/** Whether a ray along the surface hits a wall. Glass and water are walls: light differs on both sides. */
 bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
                    TransportCounts& counts) {
   return intersectPosition(scene, ray, hit, counts) && hit.material && (hit.material->lobes() & ALL_LOBES) &&

@@ -70,8 +70,7 @@ struct BoundaryCorrection {
   float away = 0;                       ///< distance to that point
   Neighbourhood probed = {};            ///< found on demand if `known` is null or reaches too short
 
-  /** Radius around the point in which the surface is known to be flat, see Neighbourhood; else at most 0.
-   */
+  /** Radius around the point in which the surface is flat, see Neighbourhood; at most 0: unknown. */
   float flat() const { return known ? known->flat - away : 0; }
 };
 

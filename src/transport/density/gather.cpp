@@ -156,8 +156,7 @@ class Estimate {
                 (weighed ? photonWeight(reverseRatio, merging, pdf, unknownWeight) : 1));
   }
 
-  /** Weights of photons at a Lambertian surface; 0 for those from behind the shading normal.
-   */
+  /** Weights of photons at a Lambertian surface; 0 from behind the shading normal. */
   Float8 counted(Float8 weight, const PhotonBlock& block) const {
     if (!bent && !weighed) return weight;
     if (!bent && !block.reverseRatios) return weight * Float8(unknownWeight);
@@ -210,8 +209,7 @@ struct Support {
   bool byNearest = false; ///< photons are in the scratch memory
 };
 
-/** Finds the support around `region`, at least as wide as `least`. `error`: bound of the centre's error.
- */
+/** Finds the support around `region`, of at least `least`. `error`: bound of the centre's error. */
 Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
                           float error, float least, BoundaryCorrection* boundary, PhotonScratch& scratch,
                           TransportCounts& counts) {

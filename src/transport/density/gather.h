@@ -19,8 +19,7 @@ namespace recurse {
 /** Squared errors that determine the weight of photons whose ratio to rays is unknown. */
 struct GatherErrors {
   double byRays = 0, variance = 0, bias2 = 0;
-  /** Weight of photons if the support has this fraction `areaFraction` of the area that the errors refer to.
-   */
+  /** Weight of photons if the support has the fraction `areaFraction` of the errors' area. */
   float photonWeight(double areaFraction) const {
     // Bounds of the rays' fraction of the error; beyond them the second estimate costs more than it gains.
     constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;

@@ -5,8 +5,6 @@
  */
 #pragma once
 
-#include <bit>
-
 #include "transport/density/gather.h"
 #include "transport/density/supportErrors.h"
 #include "transport/direct/lightSampler.h"

@@ -15,6 +15,16 @@ int candidatePairs(const Light& light) {
   return light.kind() == LightKind::POINT ? 8 : 2;
 }
 
+/** Equiangular distances about the lamp's point for `u`. Where light is sampled by area, the shadow ray ends
+ * at this point too, so that the density of distances contains the 1/r² of the light. */
+std::optional<EquiangularDistance> distanceToLamp(const SampledLight& choice, const Ray& ray, float end,
+                                                  const Vec2f& u) {
+  const std::optional<LeSample> start = choice.chosen.light->sampleLe({choice.pick, u, choice.u, ray.time});
+  if (!start) return {};
+  const EquiangularDistance near(ray, end, start->origin);
+  return near.usable() ? std::optional(near) : std::nullopt;
+}
+
 } // namespace
 
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
@@ -30,22 +40,12 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   if (!(chosen.probability > 0)) return {};
   const int count = rays.to(*chosen.light);
   if (which >= count) return {};
-  /** Equiangular distances about the lamp's point for `u`. Where light is sampled by area, the shadow ray
-   * ends at this point too, so that the density of distances contains the 1/r² of the light. */
-  const auto nearnessTo = [&](const Vec2f& u) {
-    std::optional<EquiangularDistance> near;
-    if (const std::optional<LeSample> start = chosen.light->sampleLe({choice.pick, u, choice.u, ray.time}))
-      near.emplace(ray, end, start->origin);
-    if (near && !near->usable()) near.reset();
-    return near;
-  };
   const bool area = chosen.light->kind() == LightKind::AREA;
   std::optional<EquiangularDistance> near;
-  if (!area && !chosen.light->isInfinite()) near = nearnessTo(sampler.next2D());
+  if (!area && !chosen.light->isInfinite()) near = distanceToLamp(choice, ray, end, sampler.next2D());
 
-  std::optional<LightAlongRay> kept;
-  float keptWorth = 0;
-  float sum = 0;
+  std::optional<LightAlongRay> selected;
+  float selectedTarget = 0, sum = 0;
   float pick = sampler.next1D();
   const auto consider = [&](float t, const Vec2f& u) {
     const SurfacePoint scatterer = pointInMedium(ray, t);
@@ -53,17 +53,18 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
         lightSampler.sampleLi(*chosen.light, scatterer.time, scatterer.position, choice.pick, u);
     if (!light || !(light->pdf > 0)) return;
     // With the scattering coefficient, channels that scatter more decide the distances.
-    const float worth = luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
-                        medium.phase->value(glm::dot(light->direction, ray.direction));
+    const float target =
+        luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
+        medium.phase->value(glm::dot(light->direction, ray.direction));
     const float pdf = near ? (open.pdf(t) + near->pdf(t)) / 2 : open.pdf(t);
     const float density = pdf * chosen.probability * light->pdf;
-    if (!(worth > 0) || !(density > 0 && density < INFINITE)) return;
-    const float weight = worth / density;
+    if (!(target > 0) || !(density > 0 && density < INFINITE)) return;
+    const float weight = target / density;
     sum += weight;
     const float chance = weight / sum;
     if (pick < chance) {
-      kept = {t, *light, choice.chosen.index, 0};
-      keptWorth = worth;
+      selected = {t, *light, chosen.index, 0};
+      selectedTarget = target;
       pick /= chance;
     } else {
       pick = (pick - chance) / (1 - chance);
@@ -75,12 +76,12 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
     const float u1 = (static_cast<float>(i) + u) / static_cast<float>(pairs);
     const float stratum = area ? u1 : (static_cast<float>(which) + u1) / static_cast<float>(count);
     const Vec2f onLamp = sampler.next2D();
-    if (area) near = nearnessTo(onLamp);
+    if (area) near = distanceToLamp(choice, ray, end, onLamp);
     consider(open.sample(sampler.next1D(), stratum), onLamp);
     consider(near ? std::min(near->sample(stratum), end) : open.sample(sampler.next1D(), stratum), onLamp);
   }
-  if (kept) kept->reciprocalPdf = sum / (static_cast<float>(2 * pairs * count) * keptWorth);
-  return kept;
+  if (selected) selected->reciprocalPdf = sum / (static_cast<float>(2 * pairs * count) * selectedTarget);
+  return selected;
 }
 
 } // namespace recurse

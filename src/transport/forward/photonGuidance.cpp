@@ -35,8 +35,7 @@ struct Trials {
   }
 };
 
-/** Power above which photons are split; large enough that splitting adds no more photons than are emitted.
- */
+/** Power above which photons are split, such that it adds no more photons than are emitted. */
 float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   constexpr float OVER_TYPICAL = 2;
   if (powers.empty()) return INFINITE;

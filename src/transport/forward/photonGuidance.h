@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "transport/emission/emissionGuide.h"
 #include "transport/forward/shoot.h"

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -28,11 +29,11 @@ struct StoredPhotons {
   PhotonPathLengths lengths;
 
   size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
+  auto lists() {
+    return std::tie(onSurfaces, inMedia, beams, lengths.onSurfaces, lengths.inMedia, lengths.beams);
+  }
   void clear() {
-    onSurfaces.clear();
-    lengths = {};
-    inMedia.clear();
-    beams.clear();
+    std::apply([](auto&... list) { (list.clear(), ...); }, lists());
   }
 };
 

@@ -40,29 +40,43 @@ template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector
 }
 
 /** Serialises the photons of a batch for a different process. */
-std::vector<std::byte> packed(const StoredPhotons& stored) {
+std::vector<std::byte> packed(StoredPhotons& stored) {
   std::vector<std::byte> out;
-  appendBytes(stored.onSurfaces, out);
-  appendBytes(stored.inMedia, out);
-  appendBytes(stored.beams, out);
-  appendBytes(stored.lengths.onSurfaces, out);
-  appendBytes(stored.lengths.inMedia, out);
-  appendBytes(stored.lengths.beams, out);
+  std::apply([&](const auto&... lists) { (appendBytes(lists, out), ...); }, stored.lists());
   return out;
 }
 
 void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
-  readBytes(bytes, stored.onSurfaces);
-  readBytes(bytes, stored.inMedia);
-  readBytes(bytes, stored.beams);
-  readBytes(bytes, stored.lengths.onSurfaces);
-  readBytes(bytes, stored.lengths.inMedia);
-  readBytes(bytes, stored.lengths.beams);
+  std::apply([&](auto&... lists) { (readBytes(bytes, lists), ...); }, stored.lists());
 }
 
 template <class T> void moveTo(std::vector<T>& all, std::vector<T>& part) {
   all.insert(all.end(), part.begin(), part.end());
   std::vector<T>().swap(part);
+}
+
+/** Photons of a batch, and their counts. */
+struct ShotBatch {
+  StoredPhotons photons;
+  TransportCounts counts;
+  std::vector<RecordedLightVertex> record; ///< empty if nothing is recorded
+};
+
+/** Joins the batches of a pass in the order of emission. */
+void join(std::vector<ShotBatch>& batches, LightPathRecorder* recorder, ShotPhotons& shot) {
+  size_t total = 0;
+  for (const ShotBatch& batch : batches) total += batch.photons.onSurfaces.size();
+  shot.stored.reserve(total);
+  for (ShotBatch& batch : batches) {
+    if (recorder) recorder->append(batch.record);
+    moveTo(shot.stored, batch.photons.onSurfaces);
+    moveTo(shot.inMedia, batch.photons.inMedia);
+    moveTo(shot.beams, batch.photons.beams);
+    moveTo(shot.lengths.onSurfaces, batch.photons.lengths.onSurfaces);
+    moveTo(shot.lengths.inMedia, batch.photons.lengths.inMedia);
+    moveTo(shot.lengths.beams, batch.photons.lengths.beams);
+    shot.counts.add(batch.counts);
+  }
 }
 
 } // namespace
@@ -75,66 +89,48 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   const EmissiveMedia* media = settings.emission.media;
   const bool dark = scene.lights().size() == 0 && !(media && !media->empty());
   if (dark || settings.photons == 0) return shot;
-  const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
-  std::vector<StoredPhotons> stored(batches);
-  std::vector<TransportCounts> counts(batches);
+  std::vector<ShotBatch> batches((settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH);
   LightPathRecorder* const recorder = settings.lightPaths;
-  std::vector<std::vector<RecordedLightVertex>> records(recorder ? batches : 0);
   if (recorder) recorder->beginPass(settings.photons);
+  const auto firstPhoton = [&](size_t batch) { return std::min(settings.photons, batch * PHOTON_BATCH); };
   std::atomic<size_t> done{0};
-  std::mutex telling;
+  std::mutex reporting;
   const auto shootBatch = [&](size_t b) {
     if (control.stopped()) return;
-    PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
-    const uint64_t end = std::min(settings.photons, (b + 1) * PHOTON_BATCH);
-    for (uint64_t i = b * PHOTON_BATCH; i < end; ++i) {
-      walk.record = recorder && recorder->isRecorded(i) ? &records[b] : nullptr;
+    PhotonWalk walk(scene, classes, settings, batches[b].counts, batches[b].photons);
+    for (uint64_t i = firstPhoton(b); i < firstPhoton(b + 1); ++i) {
+      walk.record = recorder && recorder->isRecorded(i) ? &batches[b].record : nullptr;
       walk.shoot(
           Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)),
           pass.time);
     }
     const size_t n = ++done;
-    if (telling.try_lock()) {
-      control.progress(static_cast<double>(n) / static_cast<double>(batches));
-      telling.unlock();
-    }
+    if (const std::unique_lock lock(reporting, std::try_to_lock); lock)
+      control.progress(static_cast<double>(n) / static_cast<double>(batches.size()));
   };
-  size_t total = 0;
+  size_t onSurfaces = 0;
   const auto shootBatches = [&](size_t first, size_t end) {
     parallelFor(end - first, [&](size_t i) { shootBatch(first + i); });
     for (size_t b = first; b < end; ++b) {
-      total += stored[b].onSurfaces.size();
-      shot.storedHere += stored[b].size();
+      onSurfaces += batches[b].photons.onSurfaces.size();
+      shot.storedHere += batches[b].photons.size();
     }
-    shot.emittedHere +=
-        std::min(settings.photons, end * PHOTON_BATCH) - std::min(settings.photons, first * PHOTON_BATCH);
-    const double expected = double(total) * double(settings.photons) / double(shot.emittedHere);
+    shot.emittedHere += firstPhoton(end) - firstPhoton(first);
+    const double expected = double(onSurfaces) * double(settings.photons) / double(shot.emittedHere);
     requireMemory(formatted("a map of %.3g photons", expected), photonMapBytes(expected));
   };
-  if (control.sharing && batches > FIRST_BATCHES) {
+  if (control.sharing && batches.size() > FIRST_BATCHES) {
     const bool isComplete = control.sharing->share(
-        batches, shootBatches, [&](size_t b) { return packed(stored[b]); },
-        [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, stored[b]); });
+        batches.size(), shootBatches, [&](size_t b) { return packed(batches[b].photons); },
+        [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, batches[b].photons); });
     if (!isComplete) return shot;
   } else {
     // The first batches predict the number of photons stored in total, which must fit into memory.
-    const size_t first = std::min(batches, FIRST_BATCHES);
+    const size_t first = std::min(batches.size(), FIRST_BATCHES);
     shootBatches(0, first);
-    if (first < batches) shootBatches(first, batches);
+    if (first < batches.size()) shootBatches(first, batches.size());
   }
-  for (const auto& record : records) recorder->append(record);
-  total = 0;
-  for (const StoredPhotons& s : stored) total += s.onSurfaces.size();
-  shot.stored.reserve(total);
-  for (StoredPhotons& s : stored) {
-    moveTo(shot.stored, s.onSurfaces);
-    moveTo(shot.inMedia, s.inMedia);
-    moveTo(shot.beams, s.beams);
-    moveTo(shot.lengths.onSurfaces, s.lengths.onSurfaces);
-    moveTo(shot.lengths.inMedia, s.lengths.inMedia);
-    moveTo(shot.lengths.beams, s.lengths.beams);
-  }
-  for (const TransportCounts& c : counts) shot.counts.add(c);
+  join(batches, recorder, shot);
   shot.emitted = settings.photons;
   return shot;
 }

@@ -29,8 +29,7 @@ struct ShootSettings {
   bool direct = true;
   bool causticsOnly = false; ///< photons end at the first non-delta surface, and in media
   EmissionSettings emission;
-  /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
-   */
+  /** Light sampler of shadow rays, for Photon::reverseRatio; null: there are no shadow rays. */
   const LightSampler* shadowRays = nullptr;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none

@@ -9,8 +9,7 @@ namespace recurse {
 
 namespace {
 
-/** Index of the quarter of the unit square that contains a point. Changes the point to the quarter's frame.
- */
+/** Index of the quarter of the unit square that contains a point, which changes to its frame. */
 size_t descend(Vec2f& point) {
   const size_t x = point.x >= 0.5f, y = point.y >= 0.5f;
   point = 2.0f * point - Vec2f(x, y);

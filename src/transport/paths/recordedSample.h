@@ -1,8 +1,9 @@
 /** @file
- * Recording of shadow rays for a PathRecorder.
+ * Recording of steps and shadow rays for a PathRecorder.
  */
 #pragma once
 
+#include "recurse/model/bsdf/bsdf.h"
 #include "recurse/model/light/light.h"
 #include "recurse/transport/integrator/pathRecorder.h"
 
@@ -17,6 +18,18 @@ inline float weightOf(const Rgb& weighted, const Rgb& whole) {
 }
 
 } // namespace recorded
+
+/** Step from `vertex` by a BSDF sample. `throughput`, `pdfReverse`: see RecordedStep. */
+inline RecordedStep recordedStep(int vertex, const Scatter& s, const Rgb& throughput, float pdfReverse) {
+  const bool isDelta = s.specular();
+  return {vertex,
+          isDelta ? PathEvent::S : PathEvent::D,
+          s.lobe,
+          s.direction,
+          throughput,
+          isDelta ? 0 : s.pdf,
+          isDelta ? 0 : pdfReverse};
+}
 
 /** Sets the source of the next contribution to a shadow ray from `vertex` to a light. `pdf`: density of all
  * light samples together; `otherPdf`: density of the BSDF-sampled ray. */

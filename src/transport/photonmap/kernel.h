@@ -10,7 +10,6 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
-#include <type_traits>
 
 #include "recurse/core/math/vector.h"
 

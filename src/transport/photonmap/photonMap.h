@@ -26,9 +26,6 @@ enum class PhotonIndexKind {
   KDTREE, ///< the eight-wide tree described above
   FLANN   ///< FLANN's KDTreeSingleIndex: slow, for comparison
 };
-constexpr const char* photonIndexName(PhotonIndexKind kind) {
-  return kind == PhotonIndexKind::KDTREE ? "kdtree" : "flann";
-}
 /** Index with that name; nullopt for an unknown name. */
 constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name) {
   if (name == "kdtree") return PhotonIndexKind::KDTREE;
@@ -181,6 +178,7 @@ class PhotonMap {
   template <bool FLAT, bool SIDED, bool CLIPPED> struct Query;
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
   struct Hits;
+  template <class Q> void dropRejected(const Q& query, Hits& hits) const;
   template <bool EMPTY_TOO, class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
   template <bool EMPTY_TOO, class State, class Add>
   State accumulate(const GatherRegion& region, State state, Add&& add) const;

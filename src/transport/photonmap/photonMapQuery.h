@@ -103,6 +103,22 @@ struct PhotonMap::Hits {
   size_t count = 0;
 };
 
+/** Removes photons that the normals and half-spaces of the query reject. */
+template <class Q> inline void PhotonMap::dropRejected(const Q& query, Hits& hits) const {
+  size_t kept = 0;
+  for (size_t i = 0; i < hits.count; ++i) {
+    const Leaf& leaf = leaves[hits.block[i] / LEAF_BLOCKS];
+    const size_t at = hits.block[i] % LEAF_BLOCKS * 8;
+    const uint32_t mask =
+        hits.mask[i] & query.selected(leaf.x + at, leaf.y + at, leaf.z + at, leaf.normal + at);
+    hits.block[kept] = hits.block[i];
+    hits.distance2[kept] = hits.distance2[i];
+    hits.mask[kept] = mask;
+    kept += mask != 0;
+  }
+  hits.count = kept;
+}
+
 /**
  * Calls flush(hits) with blocks in increasing order of slots, as often as needed. The flush may shrink
  * query.radius2; hits found before it does are within the old radius.
@@ -119,27 +135,14 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
   constexpr bool TAKE_ALL = EMPTY_TOO && !Q::SELECTIVE;
-  const auto finish = [&] {
-    if constexpr (Q::SELECTIVE) {
-      size_t kept = 0;
-      for (size_t i = 0; i < hits.count; ++i) {
-        const Leaf& leaf = leaves[hits.block[i] / LEAF_BLOCKS];
-        const size_t at = hits.block[i] % LEAF_BLOCKS * 8;
-        const uint32_t mask =
-            hits.mask[i] & query.selected(leaf.x + at, leaf.y + at, leaf.z + at, leaf.normal + at);
-        hits.block[kept] = hits.block[i];
-        hits.distance2[kept] = hits.distance2[i];
-        hits.mask[kept] = mask;
-        kept += mask != 0;
-      }
-      hits.count = kept;
-    }
+  const auto flushHits = [&] {
+    if constexpr (Q::SELECTIVE) dropRejected(query, hits);
     flush(hits);
     hits.count = 0;
   };
   const auto testLeaves = [&] {
     for (size_t l = 0; l < leavesFound; ++l) {
-      if (hits.count > Hits::MAX_COUNT - LEAF_BLOCKS) finish();
+      if (hits.count > Hits::MAX_COUNT - LEAF_BLOCKS) flushHits();
       const Leaf& leaf = leaves[leafList[l]];
       const Float8 radius2(query.radius2);
       for (uint32_t i = 0; i < LEAF_BLOCKS; ++i) {
@@ -177,7 +180,7 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
     node = nodeStack[--nodesLeft];
   }
   testLeaves();
-  finish();
+  flushHits();
 }
 
 template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visitor&& visitor) const {

@@ -24,8 +24,7 @@ inline float arrivalDensity(LightKind kind, const LePdf& pdf, float distance, fl
   return density * cosine * emitted / chosen;
 }
 
-/** Photon's factor of the ratio (camera ray : photon), for a kernel of unit area and a ray of unit density.
- */
+/** Photon's factor of the ratio (camera ray : photon), for a kernel of unit area and a ray of density 1. */
 class ReverseRatio {
  public:
   /** Ratio 0: no camera ray finds the path. */
@@ -80,8 +79,7 @@ class MergeRatio {
   void leave(const Vec3f& direction, const SurfacePoint& from) {
     ratio *= absDot(direction, from.geometricNormal);
   }
-  /** MIS weight of a camera ray that has hit the light. For area lights, `arrive` is called before as well.
-   */
+  /** MIS weight of a camera ray that has hit the light; for area lights after `arrive`. */
   float cameraWeight(const LePdf& pdf, float probability) const {
     return 1 / (1 + ratio * pdf.position * pdf.direction * probability);
   }
