@@ -52,7 +52,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
   };
   const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
   for (;;) {
-    path.walk.needed = path.share == 0 && path.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
+    path.walk.needed = path.weights.share == 0 && path.weights.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
     if (!walker.next(
             path.walk, vertex, sampler, emission, [](const Rgb&) {}, flight))
       return;
@@ -73,7 +73,7 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
                                 const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
   const ScatteringPoint& scattering = *vertex.scattering;
   if (!scattering.hasDelta() || out.pathClasses().dead(vertex.afterS)) return false;
-  path.merge.arrive(path.walk.ray.direction, vertex.point());
+  path.weights.merge.arrive(path.walk.ray.direction, vertex.point());
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
@@ -121,9 +121,9 @@ void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, 
   path.walk.state = vertex.afterD;
   if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
   VertexEstimates at;
-  at.direct = std::exchange(path.direct, {});
+  at.direct = std::exchange(path.weights.direct, {});
   at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
-  at.direct.unknownWeight = std::exchange(path.share, 1);
+  at.direct.unknownWeight = std::exchange(path.weights.share, 1);
   if (!settings.directLight) {
     at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
     addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
@@ -166,29 +166,30 @@ void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walke
   if (!s) return;
   PathState next = path.afterNonDelta(walker, vertex, *s);
   recordStep(vertex, *s, next, out);
-  next.byRays = at.byRays;
+  RayWeights& weights = next.weights = {};
+  weights.byRays = at.byRays;
   // Estimates at Lambertian surfaces use photons of all directions.
-  next.lightShare = at.byRays ? 1 : scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
-  next.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - next.lightShare) : 0;
+  weights.lightShare = at.byRays                         ? 1
+                       : scattering.lobes() & LAMBERTIAN ? 0
+                                                         : settings.weighting.followed(s->pdf);
+  weights.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - weights.lightShare) : 0;
   if (at.weighsIndirect && !scene.hasMedia())
-    next.direct = {1 - next.lightShare,
-                   MergeRatio(at.indirect.merging, s->pdf, s->direction, vertex.point())};
-  if (at.direct.merged == 0)
-    next.shared = {};
-  else
-    next.shared = {at.direct, at.directThroughput * s->weight,
-                   scattering.pdfNonDelta(s->direction, vertex.wi),
-                   absDot(s->direction, vertex.point().geometricNormal)};
-  next.bsdfRay = settings.directLight && !at.byRays ? BsdfRay() : BsdfRay{at.context, s->pdf, true};
-  next.merge = MergeRatio(at.causticMerging, s->pdf, s->direction, vertex.point());
-  if (next.share > 0 || next.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
+    weights.direct = {1 - weights.lightShare,
+                      MergeRatio(at.indirect.merging, s->pdf, s->direction, vertex.point())};
+  if (at.direct.merged > 0)
+    weights.shared = {at.direct, at.directThroughput * s->weight,
+                      scattering.pdfNonDelta(s->direction, vertex.wi),
+                      absDot(s->direction, vertex.point().geometricNormal)};
+  if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
+  weights.merge = MergeRatio(at.causticMerging, s->pdf, s->direction, vertex.point());
+  if (weights.share > 0 || weights.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
 }
 
 void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
                               const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
   path.walk.state = vertex.afterD;
-  path.remainingWeight *= std::exchange(path.share, 1);
-  path.direct = {};
+  path.remainingWeight *= std::exchange(path.weights.share, 1);
+  path.weights.direct = {};
   if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
   VertexEstimates at;
   at.byRays = true;

@@ -85,7 +85,7 @@ class PhotonMapping final : public PhotonMapper {
                       PathRadiance& out) const;
   /** Whether directly hit light is shared with photons. */
   static bool isShared(const PathState& path) {
-    return path.shared.share.merged > 0 && !path.delta && !path.panes;
+    return path.weights.shared.share.merged > 0 && !path.delta && !path.panes;
   }
   /** Adds light at the end of a path of optical `length`, shared with photons. */
   void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
@@ -93,7 +93,7 @@ class PhotonMapping final : public PhotonMapper {
   /** MIS weights of hit light against shadow rays: none from the camera or through mirrors and glass, where
    * no shadow rays find it. */
   BsdfRay directWeights(const PathState& path) const {
-    return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
+    return path.nonDelta == 0 || path.delta ? BsdfRay() : path.weights.bsdfRay;
   }
   /** Adds light at the end of a path of optical `length` [scene units]. */
   void addLight(const PathState& path, LightState light, const Rgb& radiance, float length,

@@ -27,11 +27,12 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
         hit.lightIndex, *hit.areaLight,
         {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
     addShared(scene, path, hit.lightIndex, pdf, radiance,
-              glm::distance(path.bsdfRay.from.position, hit.point.position), path.walk.optical.length, out);
+              glm::distance(path.weights.bsdfRay.from.position, hit.point.position), path.walk.optical.length,
+              out);
     return;
   }
   if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-    const float weight = photons.rayWeight(scene, path.merge, hit, direction);
+    const float weight = photons.rayWeight(scene, path.weights.merge, hit, direction);
     recordWeight(out, weight);
     radiance *= weight;
   }
@@ -56,7 +57,7 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
       continue;
     }
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-      const float weight = photons.rayWeight(scene, path.merge, i, path.walk.ray);
+      const float weight = photons.rayWeight(scene, path.weights.merge, i, path.walk.ray);
       recordWeight(out, weight);
       radiance *= weight;
     }
@@ -66,18 +67,18 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
 
 void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
                               const Rgb& radiance, float distance, float length, PathRadiance& out) const {
-  const LightSampleContext& from = path.bsdfRay.from;
-  const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
+  const LightSampleContext& from = path.weights.bsdfRay.from;
+  const float arrivals = photons.arrivals(scene, light, pdf, path.weights.shared.cosine, distance,
                                           lights.probability(scene.lights(), from, light));
-  const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
+  const float weight = path.weights.shared.share.camera(arrivals, path.weights.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(light), path.walk.state, path.shared.throughput * radiance * weight,
-          length);
+  out.add(out.pathClasses().lightStart(light), path.walk.state,
+          path.weights.shared.throughput * radiance * weight, length);
 }
 
 void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb& radiance, float length,
                              PathRadiance& out) const {
-  const float share = settings.directLight ? path.lightShare : 1;
+  const float share = settings.directLight ? path.weights.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
   recordWeight(out, share);
   const Rgb added = path.sharedThroughput() * radiance * share;

@@ -25,7 +25,7 @@ void PhotonMapping::passMedium(const Scene& scene, PathState& path, uint16_t num
   const RayTransmittance transmittance(*scene.medium(number), path.walk.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Where photons are stored, they include the emission of media.
-  if (path.byRays || settings.directLight)
+  if (path.weights.byRays || settings.directLight)
     addLight(path, startInMedium(scene, out.pathClasses(), number), transmittance.emitted(),
              path.walk.optical.length, out);
   if (path.walk.depth != settings.maxDepth)
@@ -39,7 +39,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
                                   const RayTransmittance& transmittance, Sampler& sampler,
                                   PathRadiance& out) const {
   const CameraState camera = out.pathClasses().step(path.walk.state, PathEvent::V);
-  const Rgb throughput = path.sharedThroughput() * path.share;
+  const Rgb throughput = path.sharedThroughput() * path.weights.share;
   if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
   const Medium& medium = *scene.medium(number);
   const Vec3f& direction = path.walk.ray.direction;

@@ -33,23 +33,27 @@ struct SharedRay {
   float cosine = 0;  ///< cosine at the surface that the ray leaves
 };
 
+/** MIS weights of the light that a ray finds, from the last non-delta vertex or the camera on. */
+struct RayWeights {
+  bool byRays = true;   ///< no photons are stored at that vertex: the camera, or a point on a curve
+  float share = 1;      ///< fraction of the indirect light at the next non-delta vertex
+  PhotonShare direct;   ///< fraction of the direct light there
+  SharedRay shared;     ///< of directly hit light, against photons
+  BsdfRay bsdfRay;      ///< of directly hit light, against shadow rays
+  MergeRatio merge;     ///< of light hit through mirrors and glass, against photons
+  float lightShare = 1; ///< of hit emission where photons carry all light
+};
+
 /** Camera path: the walk, and its weights against photons. */
 struct PathState {
   CameraSubpath walk;
   float remainingWeight = 1; ///< weight of the path's light that photons at earlier vertices left to it
   float mediaScale = 1;      ///< cancels the attenuation by media, which must not prune a branch
   int nonDelta = 0;          ///< number of scattering events by non-delta lobes
-  // State since the last non-delta scattering event, or since the camera:
-  float distance = 0;                ///< length of the path [scene units]
-  bool delta = false;                ///< through mirrors and glass, thin panes excluded
-  bool panes = false;                ///< through thin panes, which shadow rays pass as well
-  bool byRays = true;                ///< no photons are stored there: at the camera, or on a curve
-  float share = 1;                   ///< fraction of the indirect light there that this path finds
-  PhotonShare direct;                ///< fraction of the direct light there that this path finds
-  SharedRay shared;                  ///< weights of directly hit light against photons
-  BsdfRay bsdfRay;                   ///< MIS weights of directly hit light against shadow rays
-  MergeRatio merge;                  ///< MIS weights of light hit through mirrors and glass against photons
-  float lightShare = 1;              ///< weight of hit emission where photons carry all light
+  float distance = 0;        ///< length since the last of these, or since the camera [scene units]
+  bool delta = false;        ///< since then through mirrors and glass, thin panes excluded
+  bool panes = false;        ///< since then through thin panes, which shadow rays pass as well
+  RayWeights weights;
   int recordedStep = CAMERA_STEP;    ///< step by which the ray left, see PathRecorder
   int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 
@@ -62,10 +66,10 @@ struct PathState {
     PathState next = *this;
     walker.follow(next.walk, vertex, s);
     (pane ? next.panes : next.delta) = true;
-    next.merge.leave(s.direction, vertex.point());
+    next.weights.merge.leave(s.direction, vertex.point());
     return next;
   }
-  /** Path after a scattering event by a non-delta lobe. Its weights are not set. */
+  /** Path after a scattering event by a non-delta lobe. Its RayWeights are not set. */
   PathState afterNonDelta(const CameraWalker& walker, const CameraVertex& vertex, const Scatter& s) const {
     PathState next = *this;
     walker.follow(next.walk, vertex, s);
