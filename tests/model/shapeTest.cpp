@@ -135,7 +135,7 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
     ++shapesWithFaces;
     const auto distance = [](const Vec3f& a, const Vec3f& b) { return double(glm::length(a - b)); };
     const double tolerance = 1e-5 * (s.radius() + glm::length(s.center()));
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < recurse::testing::samples(500); ++i) {
       const auto [origin, direction] = randomLine(random, s);
       for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
         const SurfacePoint p = s.shape->surfaceAt(m.primitive, m.parameters);
@@ -148,7 +148,9 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
         EXPECT_GT(glm::dot(again.geometricNormal, p.geometricNormal), 0.99f) << s.name;
       }
     }
-    constexpr int GRID = 48; // a polygon of so many sides lacks .3 % of its circle
+    // A polygon of n sides lacks 6.6 / n² of its circle: .3 % of 48 sides.
+    constexpr int GRID = SANITIZED ? 16 : 48;
+    const double tolerated = 0.005 * square(48.0 / GRID);
     double area = 0;
     for (uint32_t face = 0; face < faces; ++face) {
       std::vector<Vec3d> grid;
@@ -161,7 +163,7 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
         area += glm::length(glm::cross(b - a, c - a)) / 2 + glm::length(glm::cross(b - d, c - d)) / 2;
       }
     }
-    EXPECT_NEAR(area, double(s.shape->area()), 0.005 * area) << s.name;
+    EXPECT_NEAR(area, double(s.shape->area()), tolerated * area) << s.name;
   }
   EXPECT_GT(shapesWithFaces, 30);
 }
@@ -177,7 +179,7 @@ TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
       return std::array<double, 4>{1, x.x * x.x, x.y * x.y, x.x * x.z};
     };
     std::array<double, 4> byLines{}, bySamples{};
-    const int LINES = recurse::testing::samples(40000), SAMPLES = LINES;
+    constexpr int LINES = SANITIZED ? 1250 : 40000, SAMPLES = LINES;
     const double noisier = std::sqrt(40000.0 / SAMPLES);
     for (int i = 0; i < LINES; ++i) {
       const auto [origin, direction] = randomLine(random, s);
@@ -197,6 +199,7 @@ TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
       for (size_t k = 0; k < 4; ++k) bySamples[k] += f[k] / double(sample.pdf) / SAMPLES;
     }
     EXPECT_NEAR(bySamples[0], double(s.shape->area()), 0.015 * noisier * bySamples[0]) << s.name;
+    if (SANITIZED) continue; // in time for that lines meet thin shapes too seldom
     for (size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(byLines[k], bySamples[k], 0.05 * noisier * bySamples[0]) << s.name << " " << k;
   }
@@ -266,7 +269,7 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
         return std::array<double, 3>{1, c * c, glm::dot(d, Vec3d(frame.x))};
       };
       std::array<double, 3> byDirections{}, bySamples{};
-      const int DIRECTIONS = recurse::testing::samples(10000), SAMPLES = DIRECTIONS;
+      constexpr int DIRECTIONS = SANITIZED ? 400 : 10000, SAMPLES = DIRECTIONS;
       for (int i = 0; i < DIRECTIONS; ++i) {
         const double c = random.uniform(cosMax, 1), phi = random.uniform(0, 2 * PI_DOUBLE),
                      r = std::sqrt(1 - c * c);
@@ -288,6 +291,7 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
         for (size_t k = 0; k < 3; ++k) bySamples[k] += f[k] / double(sample->pdf) / SAMPLES;
         squares += square(1 / double(sample->pdf)) / SAMPLES;
       }
+      if (SANITIZED) continue; // in time for that the sum of squares is not known well enough
       const double solidAngle = 2 * PI_DOUBLE * (1 - cosMax);
       const double deviation =
           std::sqrt(squares / SAMPLES) + solidAngle * 0.5 / std::sqrt(double(DIRECTIONS));

@@ -81,7 +81,7 @@ std::unique_ptr<Scene> smallScene(const std::filesystem::path& file) {
   Diagnostics diagnostics;
   const SceneDescription description = loadScene(file.string(), diagnostics);
   SceneOverrides overrides;
-  overrides.width = overrides.height = 16;
+  overrides.width = overrides.height = 8;
   return diagnostics.hasErrors() ? nullptr : buildScene(description, overrides, diagnostics);
 }
 
@@ -141,7 +141,7 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
   namespace fs = std::filesystem;
   const ThreadPool pool;
   std::vector<std::pair<std::string, std::unique_ptr<Scene>>> scenes;
-  scenes.emplace_back("glass box", sceneFrom(glassBox(16)));
+  scenes.emplace_back("glass box", sceneFrom(glassBox(8)));
   for (const auto& file : fs::directory_iterator(fs::path(RECURSE_SOURCE_DIR) / "scenes"))
     if (file.path().extension() == ".pbrt")
       scenes.emplace_back(file.path().filename().string(), smallScene(file.path()));
@@ -172,7 +172,7 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
       // The patch that shoots next is the one with the largest sum over classes, which rounding may change.
       if (way.integrator == "radiosity") continue;
       if (!unsupportedPart(*integratorFrom(way.integrator, way.parameters), *scene).empty()) continue;
-      const Way small = withPhotons(way, samples(4000));
+      const Way small = withPhotons(way, samples(1000));
       const std::string what = name + " " + way.integrator + way.parameters;
       const Rendered apart = renderClasses(*scene, small, stills, 2, 5);
       expectSums(apart.film, dispersive, what);

@@ -93,7 +93,8 @@ inline std::vector<Way> waysThatShareOutDifferently() {
   return ways;
 }
 
-/** The way with so many photons, where the integrator shoots any. */
+/** The way with so many photons, where the integrator shoots any, or a hundredth of that for virtual lights.
+ */
 inline Way withPhotons(Way way, int photons) {
   const auto* entry = plugIns().integrators.find(way.integrator);
   if (entry)
@@ -101,6 +102,8 @@ inline Way withPhotons(Way way, int photons) {
       if (p.name == "passes" && !p.ignored) way.parameters += " \"integer passes\" 1";
       if (p.name == "photons" && !p.ignored)
         way.parameters += " \"integer photons\" " + std::to_string(photons);
+      if (p.name == "lightpaths" && way.integrator == "vpl")
+        way.parameters += " \"integer lightpaths\" " + std::to_string(std::max(1, photons / 100));
     }
   return way;
 }

@@ -167,7 +167,8 @@ Shape "sphere" "float radius" .4
   const PathClasses classes({{"caustic", "LS+DE"}, {"through", "LDS+E"}, {"lamps", "LS+E"}});
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(128), 12);
   for (const Way& way :
-       {Way{"simplepath", ""}, Way{"photonmap", "\"integer passes\" 1 \"integer photons\" 100000"},
+       {Way{"simplepath", ""},
+        Way{"photonmap", "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(100000))},
         Way{"lightpath", ""}}) {
     const BatchMeans means = classMeans(*scene, way, classes, samples(48), 12);
     for (size_t i = 0; i < (way.integrator == "lightpath" ? 3u : 9u); ++i) {

@@ -25,6 +25,20 @@ std::string whatToCover(const Integrator& integrator) {
 
 std::string nameOf(const Way& way) { return way.integrator + way.parameters; }
 
+/** All ways but those with the same domains and the same paths to cover as an earlier one. */
+std::vector<Way> waysWithDistinctDomains() {
+  std::vector<Way> ways;
+  std::set<std::string> known;
+  for (const Way& way : everyWay()) {
+    const auto integrator = integratorFrom(way.integrator, way.parameters);
+    std::string domains = whatToCover(*integrator) + "\n";
+    for (const EstimatorDomain& d : integrator->domains())
+      domains += d.estimator + "\t" + d.expression + "\t" + d.sharedGroup + "\n";
+    if (known.insert(domains).second) ways.push_back(way);
+  }
+  return ways;
+}
+
 } // namespace
 
 TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
@@ -77,7 +91,7 @@ TEST(GatherWeighting, WeightsAddUpToOneAndChangeWithoutSteps) {
 
 /** The same by set algebra on the automata, without the code that explains the findings. */
 TEST(EstimatorDomains, PartitionByAutomata) {
-  for (const Way& way : everyWay()) {
+  for (const Way& way : waysWithDistinctDomains()) {
     const auto integrator = integratorFrom(way.integrator, way.parameters);
     const std::vector<EstimatorDomain> domains = integrator->domains();
     PathAutomaton covered = PathAutomaton::compile("S", PathAutomaton::Empty::ALLOWED);
@@ -112,7 +126,7 @@ TEST(EstimatorDomains, EstimatorsOfPanesAloneCoverNothing) {
 
 /** Soundness is no accident of a check that sees nothing: every single spoilt list is found out. */
 TEST(EstimatorDomains, SpoiltListsAreFoundOut) {
-  for (const Way& way : everyWay()) {
+  for (const Way& way : waysWithDistinctDomains()) {
     const auto integrator = integratorFrom(way.integrator, way.parameters);
     const std::vector<EstimatorDomain> domains = integrator->domains();
     const std::string covers = whatToCover(*integrator);

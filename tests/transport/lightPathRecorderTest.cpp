@@ -171,10 +171,13 @@ TEST(PhotonPaths, AreThoseOfThePhotonsInEachMap) {
   const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
   for (const auto& entry : plugIns().integrators.entries())
     for (std::string parameters : entry.examples) {
-      const bool hasPhotons = std::any_of(entry.parameters.begin(), entry.parameters.end(),
-                                          [](const ParameterSpec& p) { return p.name == "photons"; });
-      if (hasPhotons && parameters.find("photons\"") == std::string::npos)
-        parameters += " \"integer photons\" 5000"; // the default takes seconds
+      // The default numbers take seconds.
+      for (const auto& [name, few] : {std::pair{"photons", "10000"}, {"rays", "20000"}})
+        if (hasParameter(entry.name, name) && parameters.find(name + std::string("\"")) == std::string::npos)
+          parameters += " \"integer " + std::string(name) + "\" " + few;
+      if (hasParameter(entry.name, "photons") && hasParameter(entry.name, "passes") &&
+          parameters.find("passes\"") == std::string::npos)
+        parameters += " \"integer passes\" 0"; // without which a progressive render ignores "photons"
       SCOPED_TRACE(entry.name + " " + parameters);
       const auto integrator = integratorFrom(entry.name, parameters);
       integrator->prepare(*scene, classes);

@@ -34,16 +34,16 @@ struct RecordCase {
   std::string scene, integrator, parameters;
 };
 std::vector<RecordCase> recordCases() {
-  const std::string photons = "\"integer photons\" 1000";
+  const std::string photons = "\"integer photons\" 1000", progressive = photons + " \"integer passes\" 0";
   return {{glassAndMirrorBox(RECORD_SIZE, 1.2), "path", ""},
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "simplepath", ""},
-          {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", photons},
+          {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", progressive},
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap",
            photons + " \"integer passes\" 1 \"integer finalgather\" 3"},
-          {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", photons + " \"bool causticsonly\" true"},
+          {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", progressive + " \"bool causticsonly\" true"},
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "simplephotonmap", photons},
           {mistyFloor(), "path", ""},
-          {mistyFloor(), "photonmap", photons}};
+          {mistyFloor(), "photonmap", progressive}};
 }
 
 std::vector<RecordedPixel> somePixels() {
