@@ -410,10 +410,10 @@ void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& 
                          int photonSamples = 64) {
   const auto scene = sceneFrom(text);
   const PathClasses classes(asked);
-  const Film truth = renderMediaClasses(*scene, "path", "", classes, SANITIZED ? 128 : 16384);
+  const Film truth = renderMediaClasses(*scene, "path", "", classes, SANITIZED ? 512 : 16384);
   for (const std::string parameters : {"\"integer lightsamples\" 8", "\"string direct\" \"photons\""}) {
     const Film film =
-        renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 2 : photonSamples);
+        renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : photonSamples);
     expectSameByClass(film, truth, classes, parameters);
   }
 }
