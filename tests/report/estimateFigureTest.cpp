@@ -95,8 +95,7 @@ TEST(EstimateFigure, PanelsHaveTheSupportsOfTheEstimates) {
 }
 
 TEST(EstimateFigure, ZeroIsNeutralAlsoOnAScaleWithoutExtent) {
-  const ColourScale empty{.low = 0, .high = 0, .diverging = true},
-      wide{.low = -1, .high = 1, .diverging = true};
+  const ColourScale empty{0, 0, "", true, false}, wide{-1, 1, "", true, false};
   EXPECT_EQ(empty.colour(0), wide.colour(0));
 }
 

@@ -172,7 +172,7 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
       // The patch that shoots next is the one with the largest sum over classes, which rounding may change.
       if (way.integrator == "radiosity") continue;
       if (!unsupportedPart(*integratorFrom(way.integrator, way.parameters), *scene).empty()) continue;
-      const Way small = withPhotons(way, samples(1000));
+      const Way small = withPhotons(way, samples(4000));
       const std::string what = name + " " + way.integrator + way.parameters;
       const Rendered apart = renderClasses(*scene, small, stills, 2, 5);
       expectSums(apart.film, dispersive, what);

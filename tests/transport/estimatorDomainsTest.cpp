@@ -33,7 +33,8 @@ std::vector<Way> waysWithDistinctDomains() {
     const auto integrator = integratorFrom(way.integrator, way.parameters);
     std::string domains = whatToCover(*integrator) + "\n";
     for (const EstimatorDomain& d : integrator->domains())
-      domains += d.estimator + "\t" + d.expression + "\t" + d.sharedGroup + "\n";
+      domains +=
+          d.estimator + "\t" + d.expression + "\t" + d.sharedGroup + (d.onlyPanes ? "\tonly panes\n" : "\n");
     if (known.insert(domains).second) ways.push_back(way);
   }
   return ways;

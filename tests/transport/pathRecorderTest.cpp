@@ -43,7 +43,8 @@ std::vector<RecordCase> recordCases() {
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", progressive + " \"bool causticsonly\" true"},
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "simplephotonmap", photons},
           {mistyFloor(), "path", ""},
-          {mistyFloor(), "photonmap", progressive}};
+          // Of few photons that are stored none would be read.
+          {mistyFloor(), "photonmap", "\"integer photons\" 65536 \"integer passes\" 0"}};
 }
 
 std::vector<RecordedPixel> somePixels() {

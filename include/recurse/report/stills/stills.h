@@ -31,8 +31,9 @@ struct StillsPlan {
 StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names = nullptr);
 
 /** Classes by light, in the order of `lamps`: the paths from each lamp, or with classes those of each class
- * from each lamp. The lamps of least power share the layer `other-lights` where there would be too many; media
- * count as more powerful than all lamps. Throws Error (BAD_USAGE) for a scene without lamps, or too many classes. */
+ * from each lamp. The lamps of least power share the layer `other-lights` where there would be too many;
+ * media count as more powerful than all lamps. Throws Error (BAD_USAGE) for a scene without lamps, or too
+ * many classes. */
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes = {});
 

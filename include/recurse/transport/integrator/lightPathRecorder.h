@@ -49,8 +49,8 @@ class LightPathRecorder {
   }
   /** Whether the light path with this number is recorded. */
   bool isRecorded(uint64_t path) const { return step > 0 && path % step == 0; }
-  /** List for the vertices of the light path with this number; null if it is not recorded. All paths share it:
-   * threads record into lists of their own, for append(). */
+  /** List for the vertices of the light path with this number; null if it is not recorded. All paths share
+   * it: threads record into lists of their own, for append(). */
   std::vector<RecordedLightVertex>* listFor(uint64_t path) { return isRecorded(path) ? &list : nullptr; }
   /** Appends vertices whose indices `previous` refer to `part`. */
   void append(const std::vector<RecordedLightVertex>& part);
