@@ -196,7 +196,8 @@ TEST(Parameters, Colours) {
   EXPECT_EQ(good("\"float c\" 1.5", {free}).spectrum("c"), Rgbd(1.5));
   EXPECT_CONTAINS(errorOf("\"float c\" 1.5", albedo), "out of range");
   EXPECT_CONTAINS(errorOf("\"spectrum c\" [400 1 500 2]", albedo), "out of range");
-  EXPECT_CONTAINS(errorOf("\"spectrum c\" \"metal-Ag-k\"", albedo), "out of range");
+  EXPECT_THROW(good("\"spectrum c\" \"metal-Ag-k\"", {albedo}).spectrum("c"), SceneError);
+  EXPECT_GT(good("\"spectrum c\" \"metal-Ag-k\"", {free}).spectrum("c").r, 1);
   EXPECT_CONTAINS(errorOf("\"spectrum c\" [400 1 500]", albedo), "a value is missing");
   EXPECT_CONTAINS(errorOf("\"spectrum c\" [500 1 400 1]", albedo), "must increase");
   EXPECT_CONTAINS(errorOf("\"spectrum c\" []", albedo), "0 values");
