@@ -115,7 +115,7 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
 void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path,
                                 const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
   if (!vertex.scattering->keepsPhotons()) {
-    addByRays(scene, walker, std::move(path), vertex, sampler, out);
+    addByRays(scene, walker, path, vertex, sampler, out);
     return;
   }
   path.walk.state = vertex.afterD;

@@ -132,7 +132,7 @@ class PhotonWalk {
     const float part = 1 / static_cast<float>(count);
     const auto branch = [&](PhotonPath copy, int i, float keptPart) {
       Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
-      if (scatter(copy, own, keptPart)) waiting.emplace_back(std::move(copy), own);
+      if (scatter(copy, own, keptPart)) waiting.emplace_back(copy, own);
     };
     const LobeSet allowed = vertex.allowed;
     vertex.allowed = LobeSet(allowed & DELTA_LOBES);
