@@ -199,7 +199,7 @@ TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
       for (size_t k = 0; k < 4; ++k) bySamples[k] += f[k] / double(sample.pdf) / SAMPLES;
     }
     EXPECT_NEAR(bySamples[0], double(s.shape->area()), 0.015 * noisier * bySamples[0]) << s.name;
-    if (SANITIZED) continue; // in time for that lines meet thin shapes too seldom
+    if (SANITIZED) continue; // so few lines meet thin shapes too seldom
     for (size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(byLines[k], bySamples[k], 0.05 * noisier * bySamples[0]) << s.name << " " << k;
   }
@@ -291,7 +291,7 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
         for (size_t k = 0; k < 3; ++k) bySamples[k] += f[k] / double(sample->pdf) / SAMPLES;
         squares += square(1 / double(sample->pdf)) / SAMPLES;
       }
-      if (SANITIZED) continue; // in time for that the sum of squares is not known well enough
+      if (SANITIZED) continue; // so few samples do not give the sum of squares
       const double solidAngle = 2 * PI_DOUBLE * (1 - cosMax);
       const double deviation =
           std::sqrt(squares / SAMPLES) + solidAngle * 0.5 / std::sqrt(double(DIRECTIONS));

@@ -16,7 +16,7 @@ namespace recurse {
 struct WorkUnit {
   int64_t firstSample = 0, endSample = 0;
   int64_t firstTile = 0, endTile = 0;
-  bool includesSplats = true; ///< of the light paths of passes that begin here
+  bool includesSplats = true; ///< renders the splats of the passes that begin here
 
   /** Number of tile samples: samples times tiles. */
   double size() const { return double(endSample - firstSample) * double(endTile - firstTile); }

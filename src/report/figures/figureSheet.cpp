@@ -81,7 +81,7 @@ double ColourScale::valueAt(double position) const {
 }
 
 Rgb ColourScale::colour(double value) const {
-  double t = diverging ? 0.5 : 0; // of an empty range
+  double t = diverging ? 0.5 : 0; // position on a scale without extent
   if (isLogarithmic && high > low)
     t = value > low ? std::min(std::log(value / low) / std::log(high / low), 1.0) : 0.0;
   else if (high > low)

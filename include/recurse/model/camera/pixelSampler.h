@@ -12,7 +12,7 @@ namespace recurse {
 
 /** Position of a sample. */
 struct PixelSample {
-  uint64_t seed = 0;      ///< of the render: PixelSampler::seed unless an option replaces it
+  uint64_t seed = 0;      ///< seed of the render: PixelSampler::seed unless an option replaces it
   uint32_t x = 0, y = 0;  ///< pixel of the whole film, so that a crop has the same samples
   uint32_t index = 0;     ///< number of the sample within its pixel
   uint32_t requested = 1; ///< samples of each pixel as planned; `index` may exceed it

@@ -109,8 +109,8 @@ class LightTable {
 };
 
 /** Contents of a scene: integrators adapt to them, and `--check` prints them. Shapes and primitives of an
- * object count once for all of its instances; those that emit or move by themselves, and area lights, once
- * for each. Each shape that moves by itself also counts as an instance. */
+ * object count once for all of its instances. Area lights, and shapes that emit or move by themselves, count
+ * once for each instance. Each shape that moves by itself also counts as an instance. */
 struct SceneContents {
   size_t shapes = 0, triangles = 0, otherPrimitives = 0, instances = 0, materials = 0;
   size_t areaLights = 0, deltaLights = 0, environmentLights = 0;

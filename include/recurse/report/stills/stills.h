@@ -30,10 +30,10 @@ struct StillsPlan {
  * the scene; null: any name is allowed. */
 StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names = nullptr);
 
-/** Classes by light, in the order of `lamps`: the paths from each lamp, or with classes those of each class
- * from each lamp. The lamps of least power share the layer `other-lights` where there would be too many;
- * media count as more powerful than all lamps. Throws Error (BAD_USAGE) for a scene without lamps, or too
- * many classes. */
+/** Classes by light, in the order of `lamps`: for each lamp the paths from it; with `classes`, for each lamp
+ * its paths in each class. The lamps of least power share the layer `other-lights` where there would be too
+ * many; media count as more powerful than all lamps. Throws Error (BAD_USAGE) for a scene without lamps, or
+ * too many classes. */
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes = {});
 
