@@ -73,7 +73,7 @@ class SimplePhotonMap final : public Integrator {
       if (vertex.isConnectable()) {
         const GatherResult result =
             gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
-                   vertex.afterD, out, nullptr, path.optical);
+                   vertex.afterD, out, nullptr, nullptr, path.optical);
         out.counts.otherRadii.add(result.radius, path.width);
       }
       if (!(vertex.allowed & DELTA_LOBES)) continue;

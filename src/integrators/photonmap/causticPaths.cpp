@@ -58,12 +58,11 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     constexpr uint32_t FORK = 0x4341; // distinct from other forks of the same sampler
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
-    if (!isTaken(query.settings, sampler)) return mergingUnseen(query.settings, width * photons.scale());
     BoundaryCorrection boundary{scene, sampler.fork(FORK), query.cached.known, query.cached.away};
     if (out.recorder) out.recorder->beginEstimate(out.recorder->source.vertex, true);
     const GatherResult result =
         gather(photons.caustics().map, query.settings, scattering, point, wi, width * photons.scale(),
-               throughput, camera, out, photons.hasEdges() ? &boundary : nullptr, optical);
+               throughput, camera, out, photons.hasEdges() ? &boundary : nullptr, &sampler, optical);
     if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
     out.counts.causticRadii.add(result.radius, width);
     return result.merging;

@@ -55,17 +55,12 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     return weights;
   }
   const float footprint = path.walk.width * photons.scale();
-  if (!isTaken(query.settings, sampler)) {
-    GatherResult weights;
-    weights.merging = mergingUnseen(query.settings, footprint);
-    return weights;
-  }
   beginEstimate();
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.cached.known,
                               query.cached.away};
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(),
-             path.walk.state, out, settings.edges ? &boundary : nullptr, path.walk.optical);
+             path.walk.state, out, settings.edges ? &boundary : nullptr, &sampler, path.walk.optical);
   if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
   KernelRadii& radii = isCaustic ? out.counts.causticRadii : out.counts.otherRadii;
   radii.add(result.radius, path.walk.width);

@@ -124,7 +124,6 @@ void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons sho
 void PhotonPass::learnFrom(const PhotonPass& other) {
   causticLayer.choice = other.causticLayer.choice;
   causticLayer.radii = other.causticLayer.radii;
-  causticChances = other.causticChances;
   portals = other.portals;
   aim = other.aim;
   lights = other.lights;

@@ -167,10 +167,6 @@ class PhotonPass {
   /** Selects the media that store beams, and the fractions of photons and beams to store. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
-  /** Learns the probability of an estimate of caustics at each of their records: proportional to their part
-   * of caustics and direct light there, so that the variance of a choice is small beside that of other light.
-   */
-  void learnChances();
   void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                   ForwardStatistics& statistics);
   /** Mean relative variance of the caustics that one camera ray finds, over visible points. */
@@ -178,7 +174,6 @@ class PhotonPass {
 
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;
-  std::vector<float> causticChances; ///< GatherSettings::chance by record; empty: all 1
   MediaPhotons mediaPhotons;
   KeptInMedia media;           ///< from the first pass
   uint16_t outside = 0;        ///< medium around the scene

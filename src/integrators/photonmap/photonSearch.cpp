@@ -51,23 +51,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     layer->radii = std::move(radii);
   }
   causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
-  causticChances.clear();
-  if (judged) learnChances();
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
-}
-
-void PhotonPass::learnChances() {
-  constexpr double PART = 0.1;  // of caustics and direct light: brighter caustics are always estimated
-  constexpr float LEAST = 0.1f; // records with few photons may not know of a caustic near by
-  const RadiusCache& cache = causticLayer.cache();
-  causticChances.assign(cache.size(), LEAST);
-  for (size_t i = 0; i < cache.size(); ++i) {
-    const RadiusCache::Record& record = cache.record(i);
-    const double all = std::max(double(record.worth.irradiance), double(record.irradiance));
-    if (all > 0)
-      causticChances[i] =
-          static_cast<float>(std::clamp(double(record.irradiance) / (PART * all), double(LEAST), 1.0));
-  }
 }
 
 double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
@@ -111,7 +95,6 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
         causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
-    if (!causticChances.empty()) here.settings.chance = causticChances[here.cached.index];
   } else {
     here.settings.weighting = settings.weighting;
   }

@@ -5,10 +5,14 @@
 
 #include <bit>
 #include <cfloat>
+#include <optional>
+#include <vector>
 
 namespace recurse {
 
 namespace {
+
+constexpr uint32_t FORK = 0x4342; ///< distinct from other forks of the caller's sampler
 
 Float8 dot(const Vec3f8& a, const Vec3f8& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Float8 dot(const Vec3f8& a, const Vec3f& b) { return dot(a, Vec3f8{Float8(b.x), Float8(b.y), Float8(b.z)}); }
@@ -43,13 +47,21 @@ class PhotonCosines {
   Vec3f geometric, shading;
 };
 
+/** Photon of a support, before its BSDF is evaluated. */
+struct Candidate {
+  Rgb power{0}; ///< times the kernel's weight
+  PackedDirection direction;
+  float reverseRatio = 0;
+  uint8_t pathState = 0;
+};
+
 /** Sums of photon power, one for each state of the light path. */
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
            const GatherSettings& settings, const GatherResult& weights, const PathClasses& classes,
-           CameraState cameraState)
-      : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
+           CameraState cameraState, std::vector<Candidate>& candidates)
+      : candidates(candidates), scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
         states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(weights.merging),
         unknownWeight(weights.unknownWeight),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
@@ -64,6 +76,7 @@ class Estimate {
     } else {
       for (size_t i = 0; i < states; ++i) sums[i] = BLACK;
     }
+    candidates.clear();
   }
 
   bool isLambertian() const { return lambertian; }
@@ -87,7 +100,38 @@ class Estimate {
       }
       return;
     }
-    forEachPhoton(block, weight, [&](int lane, const Rgb& power) { sums[block.pathStates[lane]] += power; });
+    forEachPhoton(block, weight, [&](int lane, const Rgb& power) {
+      if (lambertian)
+        sums[block.pathStates[lane]] += power;
+      else
+        candidates.push_back({power, PackedDirection{block.payload->direction[lane]},
+                              block.reverseRatios ? block.reverseRatios[lane] : 0, block.pathStates[lane]});
+    });
+  }
+  /** Adds the photons that add() has kept because the BSDF depends on their directions: all of few; of more,
+   * MOST by systematic sampling in proportion to power, with a random number `u` in [0, 1). Returns the
+   * number of BSDFs evaluated. */
+  size_t addKept(const std::optional<float>& u) {
+    constexpr size_t MOST = 16;
+    const auto evaluate = [&](const Candidate& c, float scale) {
+      sums[c.pathState] += c.power * (scale * value(unpackDirection(c.direction), c.reverseRatio));
+    };
+    if (!u || candidates.size() <= MOST) {
+      for (const Candidate& c : candidates) evaluate(c, 1);
+      return candidates.size();
+    }
+    double total = 0;
+    for (const Candidate& c : candidates) total += double(maxComponent(c.power));
+    const double step = total / double(MOST);
+    double end = 0, next = double(*u) * step;
+    for (const Candidate& c : candidates) {
+      const auto power = double(maxComponent(c.power));
+      end += power;
+      int times = 0;
+      for (; next < end; next += step) ++times;
+      if (times > 0) evaluate(c, static_cast<float>(times * step / power));
+    }
+    return MOST;
   }
 
   /** Adds the photons found in a block to `out`, each by the length of its path; see add() and addTo().
@@ -95,9 +139,11 @@ class Estimate {
   void addByLength(const PhotonMap& map, const SurfacePoint& point, const OpticalPath& optical,
                    const PhotonBlock& block, Float8 shape, const Rgb& scale, PathRadiance& out) const {
     const Rgb factor = factorOf(scale);
-    forEachPhoton(block, weightOf(block, shape), [&](int lane, const Rgb& power) {
+    forEachPhoton(block, weightOf(block, shape), [&](int lane, Rgb power) {
       const size_t slot = block.first + static_cast<size_t>(lane);
       const Vec3f light = block.direction(lane);
+      if (!lambertian)
+        power *= value(light, block.reverseRatios ? block.reverseRatios[lane] : 0);
       const float arrival = lengthNear(point.position, map.position(slot), light, map.length(slot),
                                        leaving(optical, scattering, eye, light).index);
       if (!isBlack(power))
@@ -132,18 +178,14 @@ class Estimate {
     return bent ? weight * abs(cosines.of(block).quotient()) : weight;
   }
 
-  /** Calls visit(lane, power) for the photons found in a block, with their weighted power times the BSDF; a
-   * Lambertian one is left to factorOf(). */
+  /** Calls visit(lane, power) for the photons found in a block, with their weighted power. */
   template <class Visit>
   void forEachPhoton(const PhotonBlock& block, Float8 weight, const Visit& visit) const {
     alignas(32) float w[8];
     weight.store(w);
     for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
       const int lane = std::countr_zero(slots);
-      const Rgb power = block.power(lane) * w[lane];
-      visit(lane, lambertian ? power
-                             : power * value(block.direction(lane),
-                                             block.reverseRatios ? block.reverseRatios[lane] : 0));
+      visit(lane, block.power(lane) * w[lane]);
     }
   }
 
@@ -183,6 +225,7 @@ class Estimate {
     total.z += power.z;
   }
 
+  std::vector<Candidate>& candidates;
   const ScatteringPoint& scattering;
   Vec3f eye;
   GatherWeighting weighting;
@@ -299,11 +342,11 @@ PowerSum sumPower(const PhotonMap& map, const Support& support, Kernel kernel, c
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
                     CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary,
-                    const OpticalPath& optical) {
+                    const Sampler* sampler, const OpticalPath& optical) {
   ++out.counts.gathers;
   GatherResult result;
   result.unknownWeight = settings.unknownWeight;
-  result.merging = mergingUnseen(settings, footprint);
+  result.merging = mergingWithin(settings.merging, square(std::max(settings.radius, footprint / 2)));
   if (map.empty()) return result;
   GatherRegion region;
   region.center = point.position;
@@ -313,14 +356,14 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
-
-  if (settings.chance == 1) result.merging = mergingWithin(settings.merging, support.radius2);
+  result.merging = mergingWithin(settings.merging, support.radius2);
   result.unknownWeight = settings.unknownWeightWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
-  Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState);
+  thread_local std::vector<Candidate> candidates;
+  Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState, candidates);
   const Rgb scale = throughput * ((settings.weighedAgainstRays ? 1 : result.unknownWeight) * INV_PI /
-                                  (support.radius2 * support.fraction * settings.chance));
+                                  (support.radius2 * support.fraction));
   if (estimate.oneSum() && !map.hasLengths()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
@@ -345,7 +388,11 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     });
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
-  if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
+  if (map.hasLengths())
+    out.counts.photonsScattered += estimate.isLambertian() ? 0 : static_cast<uint64_t>(result.found);
+  else
+    out.counts.photonsScattered +=
+        estimate.addKept(sampler ? std::optional(sampler->fork(FORK).next1D()) : std::nullopt);
   if (result.found > 0 && !map.hasLengths()) estimate.addTo(out, scale);
   return result;
 }

@@ -39,9 +39,6 @@ struct GatherSettings {
    * per unit of kernel area, `unknownWeight` the weight of photons whose ratio is unknown. */
   bool weighedAgainstRays = false;
   float merging = 0, unknownWeight = 1;
-  /** Probability with which the caller takes the estimate. One that is taken counts 1/chance. Below 1 the MIS
-   * weights are those of the whole `radius`, since the support is unknown where no estimate is taken. */
-  float chance = 1;
   /** Whether the caller's rays add the light that photons lack, and `unknownWeight` depends on the support
    * used: on `errors` if photons are weighted; else on its fraction of the area within `radius` (must be
    * set), so that no photon is brighter than over all of that area. */
@@ -53,18 +50,6 @@ struct GatherSettings {
     return weighedAgainstRays ? errors.photonWeight(double(areaFraction)) : unknownWeight * areaFraction;
   }
 };
-
-/** Merging factor of a kernel's support of the whole `settings.radius`, or of a wider pixel: that of an
- * estimate which is not taken, see GatherSettings::chance. `footprint`: pixel width [scene units]. */
-inline float mergingUnseen(const GatherSettings& settings, float footprint) {
-  return mergingWithin(settings.merging, square(std::max(settings.radius, footprint / 2)));
-}
-
-/** Chooses whether an estimate is taken, see GatherSettings::chance; `sampler` does not advance. */
-inline bool isTaken(const GatherSettings& settings, const Sampler& sampler) {
-  constexpr uint32_t FORK = 0x4342; // distinct from other forks of the same sampler
-  return settings.chance == 1 || sampler.fork(FORK).next1D() < settings.chance;
-}
 
 /** Support and weights that an estimate used. */
 struct GatherResult {
@@ -79,12 +64,13 @@ struct GatherResult {
  * `throughput`. `cameraState`: state after the D event. A support smaller than `footprint` (pixel width) is
  * widened to it: detail below a pixel is only noise. With `boundary` the estimate divides by the area of
  * surface in the support, see coveredFraction(); supports with too little surface are reduced.
- * `optical`: of the camera path, for a map with lengths.
+ * With `sampler`, which does not advance, a BSDF that is not Lambertian is evaluated for a random few of many
+ * photons, unbiased. `optical`: of the camera path, for a map with lengths.
  */
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
                     CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary = nullptr,
-                    const OpticalPath& optical = {});
+                    const Sampler* sampler = nullptr, const OpticalPath& optical = {});
 
 /** Irradiance [W/m²] of a Lambertian surface by the same estimate, on the side of the unit geometric
  * normal. Photons are weighted for a kernel of `settings.radius`. `error`: bound of the error of the

@@ -74,7 +74,20 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
       return max(max(Float8::load(node.lower[i]) - c, c - Float8::load(node.upper[i])), Float8(0));
     };
     const Float8 x = axis(0, cx), y = axis(1, cy), z = axis(2, cz);
-    return x * x + y * y + z * z;
+    const Float8 d2 = x * x + y * y + z * z;
+    if constexpr (!FLAT) return d2;
+    const Float8 h = boxHeight(node);
+    return d2 + Float8(flattening) * (h * h);
+  }
+  /** Least distance of the boxes from the tangent plane. */
+  Float8 boxHeight(const Node& node) const {
+    const auto corner = [&](bool upper) {
+      const auto axis = [&](int i, float n, Float8 c) {
+        return (Float8::load((n > 0) == upper ? node.upper[i] : node.lower[i]) - c) * Float8(n);
+      };
+      return axis(0, nx, cx) + axis(1, ny, cy) + axis(2, nz, cz);
+    };
+    return max(max(corner(false), Float8(0) - corner(true)), Float8(0));
   }
   uint32_t reaches(const Node& node) const { return bits(less(boxDistance2(node), Float8(radius2))); }
   /** Children whose boxes may overlap the cube around the region: cheaper than reaches(), but less tight. */
