@@ -200,42 +200,53 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
     }
 }
 
-TEST(Gather, EstimateTakenByChanceCountsMore) {
-  const auto scene = sceneFrom(floorUnder(""));
+TEST(Gather, FewOfManyPhotonsAreUnbiased) {
+  const auto scene = sceneFrom(R"(
+    Camera "perspective"
+    WorldBegin
+    Material "coateddiffuse" "rgb reflectance" [ .5 .5 .5 ] "float roughness" .3
+    Shape "disk" "float radius" 4)");
   Hit hit;
   ASSERT_TRUE(scene->intersect({Vec3f(0, 0, 1), Vec3f(0, 0, -1), INFINITE}, hit));
   std::mt19937 random(1);
-  std::uniform_real_distribution<float> coordinate(-.5f, .5f);
-  std::vector<Photon> photons(20000);
+  std::uniform_real_distribution<float> coordinate(-.1f, .1f), slope(-1, 1);
+  std::vector<Photon> photons(200);
   for (Photon& p : photons) {
     p.position = {coordinate(random), coordinate(random), 0};
     p.normal = packDirection({0, 0, 1});
-    p.direction = packDirection(glm::normalize(Vec3f(.2f, .3f, 1)));
-    p.power = Rgb(1.0f / 20000);
-    p.reverseRatio = .05f;
+    p.direction = packDirection(glm::normalize(Vec3f(slope(random), slope(random), 1)));
+    p.power = Rgb(std::exp(3 * slope(random)));
   }
   PhotonMap map;
   map.build(photons);
   const PathClasses all;
   BsdfArena arena;
   const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  ASSERT_FALSE(scattering.lobes() & LAMBERTIAN);
   GatherSettings settings;
   settings.radius = .2f;
-  settings.weighedAgainstRays = true;
-  settings.merging = 1;
-  const auto gathered = [&](float chance) {
-    settings.chance = chance;
-    TransportCounts counts;
+  TransportCounts counts;
+  const auto gathered = [&](const Sampler* sampler) {
     PathRadiance out(all, counts);
-    const GatherResult result = gather(map, settings, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
-                                       all.step(all.cameraStart(), PathEvent::D), out);
-    // The ray that goes on has the weight that it has where no estimate is taken.
-    EXPECT_EQ(result.merging, mergingUnseen(settings, 0));
-    return out.total().r;
+    gather(map, settings, scattering, hit.point, glm::normalize(Vec3f(.5f, 0, 1)), 0, Rgb(1),
+           all.step(all.cameraStart(), PathEvent::D), out, nullptr, sampler);
+    return double(out.total().r);
   };
-  const float always = gathered(1);
-  EXPECT_GT(always, 0);
-  EXPECT_NEAR(gathered(.25f) / always, 4, 1e-5);
+  const double exact = gathered(nullptr);
+  EXPECT_EQ(counts.photonsScattered, photons.size());
+  constexpr int TRIALS = 4000;
+  double sum = 0, squares = 0;
+  for (uint32_t i = 0; i < TRIALS; ++i) {
+    counts = {};
+    const Sampler sampler(1, i, 0);
+    const double estimate = gathered(&sampler);
+    sum += estimate / TRIALS;
+    squares += estimate * estimate / TRIALS;
+    ASSERT_LT(counts.photonsScattered, photons.size() / 4);
+  }
+  const double variance = squares - sum * sum;
+  EXPECT_GT(variance, 0);
+  EXPECT_NEAR(sum, exact, 4 * std::sqrt(variance / TRIALS));
 }
 
 TEST(Integrators, AgreeOnGlassAndMirror) {

@@ -61,9 +61,9 @@ class Estimate {
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
            const GatherSettings& settings, const GatherResult& weights, const PathClasses& classes,
            CameraState cameraState, std::vector<Candidate>& candidates)
-      : candidates(candidates), scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
-        states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(weights.merging),
-        unknownWeight(weights.unknownWeight),
+      : candidates(candidates), scattering(scattering), eye(eye), weighting(settings.weighting),
+        cameraState(cameraState), states(classes.lightStateCount()), weighed(settings.weighedAgainstRays),
+        merging(weights.merging), unknownWeight(weights.unknownWeight),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal), cosines(point.normalTowards(eye), shadingSide) {
@@ -142,8 +142,7 @@ class Estimate {
     forEachPhoton(block, weightOf(block, shape), [&](int lane, Rgb power) {
       const size_t slot = block.first + static_cast<size_t>(lane);
       const Vec3f light = block.direction(lane);
-      if (!lambertian)
-        power *= value(light, block.reverseRatios ? block.reverseRatios[lane] : 0);
+      if (!lambertian) power *= value(light, block.reverseRatios ? block.reverseRatios[lane] : 0);
       const float arrival = lengthNear(point.position, map.position(slot), light, map.length(slot),
                                        leaving(optical, scattering, eye, light).index);
       if (!isBlack(power))

@@ -4,13 +4,17 @@
 #include "transport/direct/nestedBoxes.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace recurse {
 
 NestedBoxes::NestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin) {
   split(positions.begin(), positions.end(), levels, margin);
   float all = 0;
-  for (const Box& box : boxes) all += box.chance;
+  for (Box& box : boxes) {
+    box.chance = std::sqrt(box.chance) * glm::length(box.bounds.diagonal());
+    all += box.chance;
+  }
   float sum = 0;
   for (Box& box : boxes) {
     box.chance /= all;
