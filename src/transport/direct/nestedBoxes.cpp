@@ -4,17 +4,13 @@
 #include "transport/direct/nestedBoxes.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace recurse {
 
 NestedBoxes::NestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin) {
   split(positions.begin(), positions.end(), levels, margin);
   float all = 0;
-  for (Box& box : boxes) {
-    box.chance = std::sqrt(box.chance) * glm::length(box.bounds.diagonal());
-    all += box.chance;
-  }
+  for (const Box& box : boxes) all += box.chance;
   float sum = 0;
   for (Box& box : boxes) {
     box.chance /= all;

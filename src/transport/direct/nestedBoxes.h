@@ -25,11 +25,8 @@ class NestedBoxes {
 
   /** No boxes. */
   NestedBoxes() = default;
-  /** Builds boxes from the weights W of visible positions. A box of area A as a far light sees it gets a
-   * probability p proportional to sqrt(A W): the squared errors that its photons cause, summed over pixels,
-   * are as A²/p times the density of positions W/A, and the sum over boxes is then least. With p proportional
-   * to W, few photons far stronger than others would stain pictures. `levels`: there are at most 2^levels
-   * leaves; `margin`: margin around each box [scene units]. */
+  /** Builds boxes whose probabilities follow the weights. `levels`: there are at most 2^levels leaves;
+   * `margin`: margin around each box [scene units]. */
   NestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin);
 
   bool empty() const { return boxes.empty(); }
