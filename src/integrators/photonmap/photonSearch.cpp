@@ -74,7 +74,7 @@ namespace {
 /** Processor time of a search, relative to a camera path with a few surfaces. */
 float searchCost(const PhotonQuery& query, LobeSet lobes) {
   constexpr float PHOTONS = 0.1f;    ///< summation of photons, eight at a time
-  constexpr float SCATTERING = 0.6f; ///< evaluation of each photon by a BSDF that is not Lambertian
+  constexpr float SCATTERING = 0.2f; ///< evaluation of a BSDF that is not Lambertian for some of them
   constexpr float AROUND = 0.8f;     ///< rays that search for the edges of the surface
   const CachedRadius& cached = query.cached;
   const bool isFlat = cached.known && query.settings.radius <= cached.known->flat - cached.away;

@@ -5,14 +5,11 @@
 
 #include <bit>
 #include <cfloat>
-#include <optional>
 #include <vector>
 
 namespace recurse {
 
 namespace {
-
-constexpr uint32_t FORK = 0x4342; ///< distinct from other forks of the caller's sampler
 
 Float8 dot(const Vec3f8& a, const Vec3f8& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Float8 dot(const Vec3f8& a, const Vec3f& b) { return dot(a, Vec3f8{Float8(b.x), Float8(b.y), Float8(b.z)}); }
@@ -108,22 +105,24 @@ class Estimate {
                               block.reverseRatios ? block.reverseRatios[lane] : 0, block.pathStates[lane]});
     });
   }
-  /** Adds the photons that add() has kept because the BSDF depends on their directions: all of few; of more,
-   * MOST by systematic sampling in proportion to power, with a random number `u` in [0, 1). Returns the
-   * number of BSDFs evaluated. */
-  size_t addKept(const std::optional<float>& u) {
-    constexpr size_t MOST = 16;
+  /** Adds the photons that add() has kept because the BSDF depends on their directions: all of them without
+   * `sampler`, else at most about MOST, by systematic sampling in proportion to power. Returns the number of
+   * BSDFs evaluated. */
+  size_t addKept(const Sampler* sampler) {
+    constexpr size_t MOST =
+        16; // their variance is small beside that of the photons, which more do not reduce
+    constexpr uint32_t FORK = 0x4342; // distinct from other forks of the caller's sampler
     const auto evaluate = [&](const Candidate& c, float scale) {
       sums[c.pathState] += c.power * (scale * value(unpackDirection(c.direction), c.reverseRatio));
     };
-    if (!u || candidates.size() <= MOST) {
+    if (!sampler || candidates.size() <= MOST) {
       for (const Candidate& c : candidates) evaluate(c, 1);
       return candidates.size();
     }
     double total = 0;
     for (const Candidate& c : candidates) total += double(maxComponent(c.power));
     const double step = total / double(MOST);
-    double end = 0, next = double(*u) * step;
+    double end = 0, next = double(sampler->fork(FORK).next1D()) * step;
     for (const Candidate& c : candidates) {
       const auto power = double(maxComponent(c.power));
       end += power;
@@ -387,11 +386,8 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     });
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
-  if (map.hasLengths())
-    out.counts.photonsScattered += estimate.isLambertian() ? 0 : static_cast<uint64_t>(result.found);
-  else
-    out.counts.photonsScattered +=
-        estimate.addKept(sampler ? std::optional(sampler->fork(FORK).next1D()) : std::nullopt);
+  const bool allScattered = map.hasLengths() && !estimate.isLambertian();
+  out.counts.photonsScattered += allScattered ? size_t(result.found) : estimate.addKept(sampler);
   if (result.found > 0 && !map.hasLengths()) estimate.addTo(out, scale);
   return result;
 }
