@@ -368,7 +368,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   };
   // Few rays cannot distinguish small fractions, and dividing by one that is too small gives bright spots.
   constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
-  constexpr int MAX_STEPS = 40, FEW_POINTS = 8, MANY_POINTS = 32;
+  constexpr int MAX_STEPS = 40, FEW_POINTS = 8, MANY_POINTS = 16;
   SurfaceInSupport surface;
   float before = 0;
   for (int step = 0; step < MAX_STEPS; ++step) {

@@ -89,7 +89,7 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
  * can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A support is reduced
  * first if very little of it is surface, if its surface bends away, or if it is in a gap of less than half
  * its radius. It is flattened if it would reach a different surface below. Where the surface is not known to
- * be flat, the fraction is estimated at eight points (32 once reduced): exact on a plane, about .1 off
+ * be flat, the fraction is estimated at eight points (16 once reduced): exact on a plane, about .1 off
  * elsewhere.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
