@@ -102,15 +102,15 @@ class Estimate {
         sums[block.pathStates[lane]] += power;
       else
         candidates.push_back({power, PackedDirection{block.payload->direction[lane]},
-                              block.reverseRatios ? block.reverseRatios[lane] : 0, block.pathStates[lane]});
+                              block.reverseRatio(lane), block.pathStates[lane]});
     });
   }
   /** Adds the photons that add() has kept because the BSDF depends on their directions: all of them without
    * `sampler`, else at most about MOST, by systematic sampling in proportion to power. Returns the number of
    * BSDFs evaluated. */
   size_t addKept(const Sampler* sampler) {
-    constexpr size_t MOST =
-        16; // their variance is small beside that of the photons, which more do not reduce
+    // More evaluations would not reduce the variance of the photons, which is larger.
+    constexpr size_t MOST = 16;
     constexpr uint32_t FORK = 0x4342; // distinct from other forks of the caller's sampler
     const auto evaluate = [&](const Candidate& c, float scale) {
       sums[c.pathState] += c.power * (scale * value(unpackDirection(c.direction), c.reverseRatio));
@@ -141,7 +141,7 @@ class Estimate {
     forEachPhoton(block, weightOf(block, shape), [&](int lane, Rgb power) {
       const size_t slot = block.first + static_cast<size_t>(lane);
       const Vec3f light = block.direction(lane);
-      if (!lambertian) power *= value(light, block.reverseRatios ? block.reverseRatios[lane] : 0);
+      if (!lambertian) power *= value(light, block.reverseRatio(lane));
       const float arrival = lengthNear(point.position, map.position(slot), light, map.length(slot),
                                        leaving(optical, scattering, eye, light).index);
       if (!isBlack(power))

@@ -64,8 +64,9 @@ struct GatherResult {
  * `throughput`. `cameraState`: state after the D event. A support smaller than `footprint` (pixel width) is
  * widened to it: detail below a pixel is only noise. With `boundary` the estimate divides by the area of
  * surface in the support, see coveredFraction(); supports with too little surface are reduced.
- * With `sampler`, which does not advance, a BSDF that is not Lambertian is evaluated for a random few of many
- * photons, unbiased. `optical`: of the camera path, for a map with lengths.
+ * With `sampler`, which does not advance, the estimate evaluates a BSDF that is not Lambertian for a random
+ * few of many photons, and remains unbiased; in a map with lengths it evaluates all. `optical`: optical path
+ * of the camera up to the point, for a map with lengths.
  */
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,

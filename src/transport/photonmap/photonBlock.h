@@ -50,6 +50,7 @@ struct PhotonBlock {
   /** Unit directions back along the photons' paths. */
   Vec3f8 directions() const { return unpackDirections(payload->direction); }
   Vec3f direction(int lane) const { return unpackDirection({payload->direction[lane]}); }
+  float reverseRatio(int lane) const { return reverseRatios ? reverseRatios[lane] : 0; }
   /** x in the lanes that were found, 0 elsewhere. */
   Float8 found(Float8 x) const { return x & Float8::lanes(mask); }
 };

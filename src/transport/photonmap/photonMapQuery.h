@@ -69,6 +69,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     alignas(32) const uint32_t packed[8] = {normal.bits};
     return (selected(x, y, z, packed) & 1) != 0;
   }
+  /** Lower bounds of distance2() over the points of the boxes. */
   Float8 boxDistance2(const Node& node) const {
     const auto axis = [&](int i, Float8 c) {
       return max(max(Float8::load(node.lower[i]) - c, c - Float8::load(node.upper[i])), Float8(0));
@@ -79,7 +80,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     const Float8 h = boxHeight(node);
     return d2 + Float8(flattening) * (h * h);
   }
-  /** Least distance of the boxes from the tangent plane. */
+  /** Distances of the boxes from the tangent plane; 0 where they intersect it. */
   Float8 boxHeight(const Node& node) const {
     const auto corner = [&](bool upper) {
       const auto axis = [&](int i, float n, Float8 c) {
