@@ -139,8 +139,9 @@ class LivePage(Page):
         before = browser.evaluate("document.body.dataset.answered ?? ''")
         browser.clickAt(*self.place((x, y), SIZE))
         until(lambda: browser.evaluate("document.body.dataset.answered ?? ''") != before)
-        until(lambda: self.inFrame("d?.body?.dataset?.ready ?? ''") == "yes"
-              and self.inFrame("d.getElementById('pixelName').textContent") == f"{x}, {y}")
+        # One expression: between two, the frame may replace the page of the pixel before.
+        until(lambda: self.inFrame("d?.body?.dataset?.ready === 'yes'"
+                                   f" && d.getElementById('pixelName')?.textContent === '{x}, {y}'"))
         return self.inFrame("JSON.parse(d.getElementById('data').textContent)")
 
     def testAClickOnAPixelShowsItsPaths(self):
