@@ -179,12 +179,15 @@ TEST(Drawing, HasPicturesLinesAndTextsInBothForms) {
   Image red(2, 2, {"R", "G", "B"});
   for (size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 1;
   drawing.pictures.push_back({3, 4, red});
+  drawing.pictures.push_back({-1, 29, red}); // a half of it is to the left, and a half below
   drawing.lines.push_back({{Vec2f(10, 10.5f), Vec2f(30, 10.5f)}, BLACK, 1});
   drawing.lines.push_back({{Vec2f(10, 20.5f), Vec2f(30, 20.5f)}, BLACK, 1, true});
   drawing.texts.push_back({0, 22, "a<b"});
   const Image sheet = rasterised(drawing);
   EXPECT_EQ(sheet.rgb(4, 5), Rgb(1, 0, 0));
   EXPECT_EQ(sheet.rgb(6, 5), Rgb(1));
+  EXPECT_EQ(sheet.rgb(0, 29), Rgb(1, 0, 0));
+  EXPECT_EQ(sheet.rgb(1, 29), Rgb(1));
   EXPECT_EQ(sheet.rgb(20, 10), BLACK);
   EXPECT_EQ(sheet.rgb(20, 12), Rgb(1));
   int dark = 0;

@@ -49,6 +49,20 @@ std::vector<Rgb> radiances(const Scene& scene, const Integrator& integrator) {
 
 } // namespace
 
+TEST(Progressive, EmitsMorePhotonsWhereFewAreStored) {
+  // In a closed ball a photon is stored at every second surface or so; over a floor most escape before.
+  const std::string ball = view(4, "0 0 0  1 0 0  0 0 1", 60) +
+                           "LightSource \"point\"\nMaterial \"diffuse\" "
+                           "\"rgb reflectance\" [ .5 .5 .5 ]\nShape \"sphere\" \"float radius\" 1\n";
+  constexpr uint64_t LEAST = 65536, SAMPLES = 2;
+  const auto emitted = [](const std::string& text) {
+    return renderText(text, "photonmap", "", SAMPLES).statistics.photonsEmitted / SAMPLES;
+  };
+  EXPECT_LT(double(emitted(ball)), 1.05 * double(LEAST));
+  EXPECT_GT(emitted(blockOnFloor()), 2 * LEAST);
+  EXPECT_LE(emitted(blockOnFloor()), 4 * LEAST);
+}
+
 TEST(Progressive, RadiusFollowsTheProduct) {
   for (const double alpha : {0.1, 2.0 / 3, 1.0}) {
     double product = 1;

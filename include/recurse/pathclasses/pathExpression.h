@@ -40,8 +40,9 @@ class PathAutomaton {
                                                const PathNames* names = nullptr);
 
   /** Whether the word, such as "LSDE" or "L'lamp'DE", is in the set; false for an invalid word. A letter has
-   * the names of its light or surface out of those in the compiled expressions, several joined by '+' as in
-   * "L'a+b'E"; other names make a word invalid. Words that this class returns have the same form. */
+   * the names of its light or surface out of those in the compiled expressions, several sorted by bytes and
+   * joined by '+' as in "L'a+b'E"; other names make a word invalid. Words that this class returns have the
+   * same form. */
   bool accepts(std::string_view word) const;
 
   // Set operations throw Error (BAD_USAGE) for a result with too many states.

@@ -25,7 +25,8 @@ struct Checkpoint {
     int64_t first = 0, end = 0;
   };
 
-  /** Inputs of the samples, by name: renders that differ in any of them do not fit together. */
+  /** Inputs of the samples, by name: renders that differ in any of them do not fit together. "samples per
+   * pixel" is the number that missingSamples() expects; none or no number: not specified. */
   std::map<std::string, std::string> identity;
   std::map<std::string, std::string> metadata; ///< metadata of the picture
   float imagingRatio = 1;                      ///< factor from the film to the picture

@@ -19,11 +19,11 @@ namespace recurse {
 void countSamples(const Film& film, RenderStatistics& statistics);
 
 /**
- * Renders into the film, which is empty, or the film of the resume point of an interrupted render. Returns
- * early when `stop` becomes true; the film then holds all samples taken. Bit-identical for any number of
- * threads and interruptions unless it ends early. `log` gets notes and warnings, which are in the statistics,
- * too; both functions may be empty. Throws Error where the integrator cannot render the scene, and for a
- * resume point of several processes.
+ * Renders into the film, which has the scene's crop window and a layer for each of `classes`. It is empty, or
+ * the film of the resume point of an interrupted render. Returns early when `stop` becomes true; the film
+ * then holds all samples taken. Bit-identical for any number of threads and interruptions unless it ends
+ * early. `log` gets notes and warnings, which are in the statistics, too; both functions may be empty. Throws
+ * Error where the integrator cannot render the scene, and for a resume point of several processes.
  */
 RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                         const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,

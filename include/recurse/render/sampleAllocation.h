@@ -61,8 +61,9 @@ class SampleAllocation {
   static int64_t stageEnd(int64_t sample);
   /** End of the stage allocated last; 0: none. */
   int64_t dealtUpTo() const { return stage.end; }
-  /** Allocates the stage from `sample` up to `end`, unless it is allocated already. All pixels must have
-   * their samples of the stage before. `seed`: of the random rounding to whole samples. */
+  /** Allocates the stage from `sample` up to `end`, at most stageEnd(sample), unless it is allocated already.
+   * All pixels must have their samples of the stage before. `seed`: of the random rounding to whole
+   * samples. */
   void begin(int64_t sample, int64_t end, uint64_t seed);
   /** Sets whether each sample of the average pixel has its own photon map; before the first sample. */
   void setMapPerSample(bool is) { mapPerSample = is; }

@@ -137,10 +137,12 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> all) {
 
 std::vector<ParameterSpec> photonMappingParameters() {
   return parameters(
-      {integerParameter("photons", "",
-                        "number of photons emitted in each pass, if `passes` is set too; by default 1000000 "
-                        "for one pass, and for many passes one for each pixel, from 65536 to 262144. Without "
-                        "`passes` it is the size of a single map, and a progressive render ignores it")
+      {integerParameter(
+           "photons", "",
+           "number of photons emitted in each pass, if `passes` is set too; by default 1000000 "
+           "for one pass, and for many passes one for each pixel, from 65536 to 262144, and up to "
+           "4 times as many where few of them are stored. Without `passes` it is the size of a "
+           "single map, and a progressive render ignores it")
            .range(1, 2e9),
        integerParameter("passes", "",
                         "number of photon maps, each with new photons, a smaller radius and its part of the "
@@ -180,14 +182,15 @@ void registerPhotonMapping(PlugIns& plugIns) {
       {{.name = "sppm",
         .summary =
             "photonmap with the parameters of sppm in pbrt files: progressive, one pass for each sample.",
-        .parameters = parameters(
-            {integerParameter(
-                 "photonsperiteration", "-1",
-                 "number of photons emitted in each pass; -1: one for each pixel, from 65536 to 262144")
-                 .range(-1, 2e9),
-             integerParameter("photons", "", "the name of \"photons\" in photonmap").range(1, 2e9),
-             ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed is used"),
-             ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
+        .parameters =
+            parameters({integerParameter("photonsperiteration", "-1",
+                                         "number of photons emitted in each pass; -1: one for each pixel, "
+                                         "from 65536 to 262144, and up "
+                                         "to 4 times as many where few of them are stored")
+                            .range(-1, 2e9),
+                        integerParameter("photons", "", "the name of \"photons\" in photonmap").range(1, 2e9),
+                        ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed is used"),
+                        ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);

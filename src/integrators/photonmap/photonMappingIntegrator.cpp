@@ -128,13 +128,12 @@ void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, 
     at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
     addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
   }
-  at.directThroughput = path.sharedThroughput();
+  at.directWeight = path.remainingWeight;
   path.remainingWeight *= at.direct.unknownWeight;
   if (at.direct.unknownWeight > 0) addFromMaps(scene, path, vertex, sampler, at, out);
 
   const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
   path.walk.throughput /= static_cast<float>(rays);
-  at.directThroughput /= static_cast<float>(rays);
   for (int i = 0; i < rays && !out.abandoned(); ++i)
     followNonDelta(scene, walker, path, vertex, at,
                    sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i)), out);
@@ -173,12 +172,11 @@ void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walke
                        : scattering.lobes() & LAMBERTIAN ? 0
                                                          : settings.weighting.followed(s->pdf);
   weights.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - weights.lightShare) : 0;
-  if (at.weighsIndirect && !scene.hasMedia())
+  if (at.weighsIndirect)
     weights.direct = {1 - weights.lightShare,
                       MergeRatio(at.indirect.merging, s->pdf, s->direction, vertex.point())};
   if (at.direct.merged > 0)
-    weights.shared = {at.direct, at.directThroughput * s->weight,
-                      scattering.pdfNonDelta(s->direction, vertex.wi),
+    weights.shared = {at.direct, at.directWeight, scattering.pdfNonDelta(s->direction, vertex.wi),
                       absDot(s->direction, vertex.point().geometricNormal)};
   if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
   weights.merge = MergeRatio(at.causticMerging, s->pdf, s->direction, vertex.point());

@@ -14,7 +14,7 @@ struct VertexEstimates {
   bool byRays = false;         ///< no photons are stored there
   LightSampleContext context;  ///< of the shadow rays
   PhotonShare direct;          ///< of light that the shadow rays sample
-  Rgb directThroughput{0};     ///< throughput without the weight of `direct`
+  float directWeight = 0;      ///< PathState::remainingWeight without the weight of `direct`
   float causticMerging = 0;    ///< merging factor of caustic photons, see MergeRatio
   bool weighsIndirect = false; ///< see GatherSettings::weighedAgainstRays
   GatherResult indirect;       ///< weights of the photons of indirect light

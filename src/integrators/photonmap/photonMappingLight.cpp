@@ -73,7 +73,7 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
   const float weight = path.weights.shared.share.camera(arrivals, path.weights.shared.pdf);
   recordWeight(out, weight);
   out.add(out.pathClasses().lightStart(light), path.walk.state,
-          path.weights.shared.throughput * radiance * weight, length);
+          path.walk.throughput * radiance * (path.weights.shared.remainingWeight * weight), length);
 }
 
 void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb& radiance, float length,
@@ -93,44 +93,23 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                    const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
   const Hit& hit = vertex.hit;
   const ScatteringPoint& scattering = *vertex.scattering;
-  const Vec3f& wi = vertex.wi;
-  const int panes = panesLeft(settings.maxDepth, path.walk.depth);
+  const auto add = [&](const Rgb& throughput, const ShadowRayWeight& weight) {
+    addSampledLight(scene, lights, context, scattering, hit, path.walk.nesting, vertex.wi, throughput,
+                    path.walk.state, settings.lightSamples, NON_DELTA_LOBES,
+                    panesLeft(settings.maxDepth, path.walk.depth), sampler, out, path.walk.optical, weight);
+  };
   if (share.merged == 0) {
-    addSampledLight(scene, lights, context, scattering, hit, path.walk.nesting, wi,
-                    path.sharedThroughput() * share.unknownWeight, path.walk.state, settings.lightSamples,
-                    NON_DELTA_LOBES, panes, sampler, out, path.walk.optical);
+    add(path.sharedThroughput() * share.unknownWeight, {});
     return;
   }
-  const PathClasses& classes = out.pathClasses();
-  if (!lightIsSampled(scene, classes, path.walk.state)) return;
-  for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
-    const SampledLight choice(scene.lights(), lights, context, sampler);
-    const std::optional<LiSample> light = choice.sampleLi(hit.point);
-    if (!light) continue;
-    Rgb radiance = unshadowedRadiance(scattering, wi, path.walk.throughput, *light, choice.chosen.probability,
-                                      settings.lightSamples, NON_DELTA_LOBES);
-    if (isBlack(radiance)) continue;
-    CameraState state = path.walk.state;
-    const Transmittance free =
-        transmittance(scene, hit, wi, *light, path.walk.nesting, panes, out.counts,
-                      [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
-    if (isBlack(free.value)) continue;
-    const ChosenLight& chosen = choice.chosen;
-    const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
-    if (out.recorder)
-      recordLightSample(*out.recorder, path.recordedVertex, scattering, wi, *light, chosen.probability,
-                        settings.lightSamples, NON_DELTA_LOBES);
-    const float weight =
-        free.panes > 0 ? share.unknownWeight
-                       : share.camera(photons.arrivals(scene, chosen.index, pdf,
-                                                       absDot(light->direction, hit.point.geometricNormal),
-                                                       light->distance, chosen.probability),
-                                      scattering.pdfNonDelta(light->direction, wi));
-    recordWeight(out, weight);
-    radiance *= weight * path.remainingWeight;
-    out.add(classes.lightStart(chosen.index), state, radiance * free.value,
-            lengthToLight(scene, path.walk.optical, scattering, wi, hit.point, *light));
-  }
+  add(path.sharedThroughput(), [&](const ChosenLight& chosen, const LiSample& light, int panes) {
+    if (panes > 0) return share.unknownWeight;
+    const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light.emitted());
+    const float cosine = absDot(light.direction, hit.point.geometricNormal);
+    return share.camera(
+        photons.arrivals(scene, chosen.index, pdf, cosine, light.distance, chosen.probability),
+        scattering.pdfNonDelta(light.direction, vertex.wi));
+  });
 }
 
 } // namespace recurse

@@ -28,9 +28,9 @@ struct PhotonShare {
 /** Ray that may hit light shared with photons. */
 struct SharedRay {
   PhotonShare share;
-  Rgb throughput{0}; ///< throughput without the weight of `share`
-  float pdf = 0;     ///< see PhotonShare::camera()
-  float cosine = 0;  ///< cosine at the surface that the ray leaves
+  float remainingWeight = 0; ///< PathState::remainingWeight without the weight of `share`
+  float pdf = 0;             ///< see PhotonShare::camera()
+  float cosine = 0;          ///< cosine at the surface that the ray leaves
 };
 
 /** MIS weights of the light that a ray finds, from the last non-delta vertex or the camera on. */

@@ -4,6 +4,7 @@
 #include "integrators/photonmap/photonPass.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/processorTime.h"
@@ -34,8 +35,13 @@ uint64_t PhotonPass::photonCount(const Scene& scene, bool progressive) const {
   if (settings.photons > 0) return settings.photons;
   if (!progressive) return ONE_MAP_PHOTONS;
   const FilmSettings& film = scene.film();
-  return std::clamp(uint64_t(film.width) * uint64_t(film.height), MIN_PROGRESSIVE_PHOTONS,
-                    MAX_PROGRESSIVE_PHOTONS);
+  const uint64_t count = std::clamp(uint64_t(film.width) * uint64_t(film.height), MIN_PROGRESSIVE_PHOTONS,
+                                    MAX_PROGRESSIVE_PHOTONS);
+  // The variance by photons is inversely proportional to the stored ones, their time proportional to all.
+  // Error times time is the least for a number of all that is proportional to 1/sqrt(stored).
+  constexpr double MOST = 4;
+  const double stored = guidance.storedPhotons;
+  return stored > 0 ? uint64_t(double(count) * std::clamp(1 / std::sqrt(stored), 1.0, MOST)) : count;
 }
 
 ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -66,8 +72,7 @@ ShootSettings PhotonPass::shootSettings(const Scene& scene, const LightSampler& 
   ShootSettings shoot;
   shoot.photons = photonCount(scene, progressive);
   shoot.maxDepth = settings.maxDepth;
-  // The arrival density of photons is unknown behind media.
-  if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
+  if (!settings.directLight) shoot.shadowRays = &shadowRays;
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
   shoot.emission = emission();

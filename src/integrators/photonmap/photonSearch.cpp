@@ -12,9 +12,8 @@ namespace recurse {
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                             ForwardStatistics& statistics) {
   const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
-  const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
-  // Arrival densities are unknown for photons that media scatter, but known for caustics.
-  const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
+  const LightSampler* sampled = settings.directLight ? nullptr : &shadowRays;
+  const RayAlternative toIndirect{counted, sampled};
   constexpr float FIREFLY = 1e6f; // relative value that about one sample of an image exceeds
   const RayAlternative toCaustics{counted, sampled, FIREFLY};
   const GatherSettings requested{
@@ -125,11 +124,7 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
                                       (errors.variance + errors.bias2));
-  // Relative variance of rays where the cache has none, as in scenes with media: most indirect light of a
-  // room comes from about a tenth of the directions.
-  constexpr double FEW_DIRECTIONS = 10;
-  errors.byRays =
-      std::isfinite(record.worth.instead) ? double(record.worth.raysVariance) : FEW_DIRECTIONS * squared;
+  errors.byRays = double(record.worth.raysVariance);
   gather.unknownWeight = errors.photonWeight(1);
   if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
 }

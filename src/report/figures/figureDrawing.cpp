@@ -75,8 +75,8 @@ Image rasterised(const FigureDrawing& drawing) {
   Image sheet(drawing.width, drawing.height, {"R", "G", "B"});
   std::fill(sheet.pixels.begin(), sheet.pixels.end(), 1.0f);
   for (const FigureDrawing::Picture& p : drawing.pictures)
-    for (int y = 0; y < std::min(p.image.height, sheet.height - p.y); ++y)
-      for (int x = 0; x < std::min(p.image.width, sheet.width - p.x); ++x)
+    for (int y = std::max(0, -p.y); y < std::min(p.image.height, sheet.height - p.y); ++y)
+      for (int x = std::max(0, -p.x); x < std::min(p.image.width, sheet.width - p.x); ++x)
         for (int c = 0; c < 3; ++c) sheet.at(p.x + x, p.y + y)[c] = p.image.at(x, y)[c];
   for (const FigureDrawing::Line& line : drawing.lines) {
     if (line.dashed)

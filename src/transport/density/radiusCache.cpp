@@ -34,6 +34,7 @@ using Record = RadiusCache::Record;
 /** Irradiance estimate by one shadow ray, summed over channels [W/m²]. */
 double directIrradiance(const Scene& scene, const LightSampler& lights, const Record& record,
                         Sampler& sampler, TransportCounts& counts) {
+  if (scene.lights().size() == 0) return 0;
   Hit hit;
   SurfacePoint& point = hit.point;
   point.position = record.position;

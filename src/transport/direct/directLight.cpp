@@ -117,19 +117,23 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
-                     const OpticalPath& optical) {
+                     const OpticalPath& optical, const ShadowRayWeight& weight) {
   const PathClasses& classes = out.pathClasses();
   if (!lightIsSampled(scene, classes, cameraState)) return;
   for (int i = 0; i < samples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
     if (!light) continue;
-    const Rgb radiance =
+    Rgb radiance =
         unshadowedRadiance(scattering, wi, throughput, *light, choice.chosen.probability, samples, allowed);
     if (isBlack(radiance)) continue;
     Transmittance free;
     CameraState state = cameraState;
-    const auto passPane = [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); };
+    int panes = 0;
+    const auto passPane = [&](const Hit& pane) {
+      state = stepThroughPane(classes, state, pane);
+      ++panes;
+    };
     if (scene.hasMedia()) {
       SpectralTransmittance through;
       transmittanceToLight(scene, hit, wi, nesting, *light, NO_HERO, maxPanes, sampler, through, out.counts,
@@ -141,6 +145,11 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     if (isBlack(free.value)) continue;
     if (out.recorder)
       recordSample(*out.recorder, scattering, wi, *light, choice.chosen.probability, samples, allowed);
+    if (weight) {
+      const float against = weight(choice.chosen, *light, panes);
+      if (out.recorder) out.recorder->source.weight *= against;
+      radiance *= against;
+    }
     out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value,
             lengthToLight(scene, optical, scattering, wi, hit.point, *light));
   }

@@ -22,12 +22,13 @@ struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
   /** Powers of the photons stored in the visible region if only one photon was emitted [W]. */
   std::vector<float> powers;
-  uint64_t inRegion = 0;
+  uint64_t stored = 0, inRegion = 0;
   double squares = 0, guided = 0; ///< second moments of contributions: unguided, and with the guide in use
   TransportCounts counts;
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
     powers.insert(powers.end(), o.powers.begin(), o.powers.end());
+    stored += o.stored;
     inRegion += o.inRegion;
     squares += o.squares;
     guided += o.guided;
@@ -59,6 +60,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
       const float time =
           scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // one guide serves all times
       EmissionGuide::TrainingSample start = walk.shoot(sampler, time);
+      part.stored += stored.size();
       const double perPhoton = double(settings.photons) / double(start.weight);
       double squares = 0;
       for (const Photon& p : stored.onSurfaces) {
@@ -141,6 +143,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
   if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.splitPower = splitPowerOf(last.powers, trial.photons);
+  guidance.storedPhotons = double(last.stored) / double(trial.photons);
   return guidance;
 }
 

@@ -10,10 +10,11 @@
 
 namespace recurse {
 
-/** Guidance of photons: their starts and splitting. */
+/** Guidance of photons: their starts, splitting and number. */
 struct PhotonGuidance {
   EmissionGuide emission;
   float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
+  double storedPhotons = 1;    ///< number of photons stored for each one emitted
 };
 
 /** Result of trial photons without a guide. */

@@ -101,8 +101,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 
 } // namespace
 
-std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const LightSampler& lights,
-                                                       const Pass& pass, double count,
+std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const Pass& pass, double count,
                                                        const ForwardControl& control,
                                                        TransportCounts& counts) {
   constexpr uint64_t TRIALS = 8192; // photons of a round that learn where to start
@@ -114,7 +113,6 @@ std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const
   shoot.maxDepth = settings.maxDepth;
   shoot.direct = false;
   shoot.emission.guide = &emission;
-  if (!scene.hasMedia()) shoot.shadowRays = &lights;
   return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
 }
 
@@ -139,7 +137,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     training.index = static_cast<uint32_t>(stage + 1);
     training.seed = hashCombine(pass.seed, STREAM + training.index);
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
-    const Records photons = photonsOfStage(scene, lights, training, PHOTONS * paths, control, counts);
+    const Records photons = photonsOfStage(scene, training, PHOTONS * paths, control, counts);
     GuideField byPhotons;
     if (stage < 0) byPhotons.build(photons, smallest);
     const auto across = static_cast<int>(std::sqrt(paths));

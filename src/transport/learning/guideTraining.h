@@ -41,9 +41,8 @@ class GuideTraining {
   }
 
  private:
-  std::vector<GuideRecord> photonsOfStage(const Scene& scene, const LightSampler& lights, const Pass& pass,
-                                          double count, const ForwardControl& control,
-                                          TransportCounts& counts);
+  std::vector<GuideRecord> photonsOfStage(const Scene& scene, const Pass& pass, double count,
+                                          const ForwardControl& control, TransportCounts& counts);
 
   GuideTrainingSettings settings;
   int stage = -1;         ///< last completed stage; -1: none

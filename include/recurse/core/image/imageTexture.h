@@ -64,7 +64,8 @@ class ImageTexture {
 
   /**
    * Linear value at `st`: s from the left, t from the top, fractions of the image; one channel gives grey.
-   * alongX and alongY are the changes of (s, t) along the axes of the footprint; zero for a point.
+   * alongX and alongY are the changes of (s, t) along the axes of the footprint, over their full lengths;
+   * zero for a point.
    */
   Rgb at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const;
 

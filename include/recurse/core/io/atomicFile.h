@@ -12,7 +12,8 @@ namespace recurse {
  * File that is written under a temporary name in the folder of its target and renamed to the target by
  * commit(), after which nothing can be written. Without a commit the temporary file is removed and an
  * existing target stays unchanged. Links to existing files are followed, and an existing target keeps its
- * permissions. Targets that are not regular files (/dev/stdout, a terminal, /dev/null) are written directly.
+ * permissions. A terminal, /dev/null and other character devices, and streams that are open already
+ * (/dev/stdout), are written directly; other special files are refused, as by checkFileWritable().
  * Every function throws Error naming the target and the reason.
  */
 class AtomicFile {

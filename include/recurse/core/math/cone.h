@@ -20,6 +20,7 @@ struct Cone {
     if (!(sine2 < 1)) return {};
     return {way / std::sqrt(distance2), sine2 / (1 + std::sqrt(1 - sine2))};
   }
+  /** True for a unit `direction` within the cone. */
   bool contains(const Vec3f& direction) const { return lengthSquared(direction - axis) <= 2 * opening; }
   /** Density of uniform directions within the cone [1/sr]. */
   float pdf() const { return 1 / (2 * PI * opening); }

@@ -24,11 +24,11 @@ void requireMemory(const std::string& subject, double bytes);
 void setWorkLimit(double seconds);
 
 /** Adds the predicted time on one core [s] to the WorkSum of this thread, if any. Throws Error, which begins
- * with `subject`, if the sum exceeds the limit. */
+ * with `subject`, and adds nothing if the sum, or without a WorkSum this time alone, exceeds the limit. */
 void requireWork(const std::string& subject, double seconds);
 
 /** Scope in which the work of requireWork() in this thread adds up, so that all parts of a scene share the
- * limit. */
+ * limit. A scope within another has a sum of its own, which is not added to the outer one. */
 class WorkSum {
  public:
   WorkSum();

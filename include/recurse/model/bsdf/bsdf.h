@@ -155,7 +155,8 @@ class Material {
   virtual float indexInside() const { return 1; }
 
   std::shared_ptr<const SurfaceDetail> detail; ///< applied before bsdfAt; null: none
-  std::unique_ptr<const Texture> opacity;      ///< replaces the alpha of shapes; null: their alpha is used
+  /** Alpha of shapes, in red; an alpha of their own below 1 is an error then. Null: their alpha is used. */
+  std::unique_ptr<const Texture> opacity;
   /** Medium inside of shapes of the material, as a directive describes it; null: the medium of their
    * MediumInterface. */
   std::unique_ptr<const ParsedDirective> filling;

@@ -113,7 +113,8 @@ class ScatteringPoint {
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
-  /** Samples an allowed lobe by albedo, and a step; `allowed`: both delta lobes or none. Empty: absorbed. */
+  /** Samples an allowed lobe by albedo, and a step; `allowed`: both delta lobes or none, and both non-delta
+   * lobes or none. Empty: absorbed. */
   std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
                                  LobeSet allowed = ALL_LOBES) const {
     allowed &= lobeSet;
@@ -203,7 +204,8 @@ class ScatteringPoint {
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, REFRACTION);
   }
-  /** Refraction step of a camera path; of several, one is sampled, and its weight represents all. */
+  /** Refraction step of a camera path; of several, one is sampled, and its weight represents all. Its pdf
+   * is 1, not the probability of the choice. */
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
 
   /** Shading normal. */

@@ -33,8 +33,8 @@ class PixelSampler {
     // The default without a virtual call.
     return hasPoints ? samplerOfPoints(sample) : Sampler(sample.seed, sample.pixel(), sample.index);
   }
-  /** Number of equal intervals of a dimension, counted from 0 with two for each pair, that hold the same
-   * number of samples each, if a pixel has `samples` samples as requested. 1: no stratification. */
+  /** Number of equal strata of a dimension that hold equally many of the first `samples` samples of a pixel,
+   * if so many are requested. `dimension`: 2 · pair + axis, each from 0. 1: no stratification. */
   virtual uint32_t strata(uint32_t dimension, uint32_t samples) const = 0;
   /** Whether the samples of different pixels are independent. */
   virtual bool hasIndependentPixels() const { return true; }

@@ -74,7 +74,7 @@ class Film {
     splatPlane->add(film, filter, layerSet, value);
   }
 
-  /** Adds all samples and splats of a film with the same pixels and layers. */
+  /** Adds all samples and splats of a film with the same pixels, layers and unit of splats. */
   void add(const Film& other);
   /** Memory of the film, which is also the size of state(), without splats [bytes]. */
   static double bytes(double pixels, double layers) {
@@ -135,7 +135,8 @@ class Film {
    * Standard error of each pixel's luminance. Samples are stratified and pixels share photon passes, so the
    * sample variance gives the distribution of the error, not its scale. The scale is the difference of two
    * halves of the samples, each of whole batches of consecutive ones, averaged over neighbouring pixels.
-   * Errors common to all samples, such as those from a single photon map, are not included.
+   * Errors common to all samples, such as those from a single photon map, are not included. The variance of
+   * splats is; that of samples is zero before the second one.
    */
   std::vector<double> standardErrors() const;
   /**

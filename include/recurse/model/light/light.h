@@ -31,9 +31,10 @@ inline bool isInfinite(LightKind kind) {
 struct LeRay {
   Vec3f origin;           ///< on the light: on its surface, or offset from it
   Vec3f direction;        ///< unit, away from the light
-  Vec3f normal{0};        ///< unit, of an emitting surface; zero for other lights
+  /** Unit geometric normal of an emitting surface, on either side if both emit; zero for other lights. */
+  Vec3f normal{0};
   uint32_t primitive = 0; ///< of the emitting shape
-  float time = 0;         ///< see Ray::time
+  float time = 0;         ///< see Ray::time; lights that do not move leave it 0 in their samples
 };
 
 /**
@@ -74,9 +75,9 @@ struct LiSample {
   Rgb radiance;  ///< incident radiance [W/(m² sr)]; of POINT and DISTANT: irradiance across the ray [W/m²]
   float pdf = 0; ///< density [1/sr]; 1 for POINT and DISTANT
   bool unhittable = false; ///< true: BSDF sampling cannot find the light, since no ray hits it
-  Vec3f normal{0};        ///< unit normal of the surface at the target, on either side; zero for other lights
+  Vec3f normal{0};        ///< LeRay::normal at the target
   uint32_t primitive = 0; ///< of the emitting shape
-  float time = 0;         ///< see Ray::time
+  float time = 0;         ///< see LeRay::time
 
   /** Ray from the target along which the light arrives, for pdfLe(). */
   LeRay emitted() const { return {target, -direction, normal, primitive, time}; }

@@ -22,12 +22,13 @@ class Dicing {
 std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own);
 
 /**
- * The mesh, displaced if the parameters say so: edges are halved until they are short enough before and after
- * displacement, or half of the limit before it where it is steep, or with a warning up to 20 million
- * triangles. Triangles split common edges at the same points, so that no cracks appear. Normals are
- * recomputed from the displaced surface. Throws Error as TriangleMesh does, for a displacement that is not
- * finite, for edgelength without displacement, for displacement with neither edgelength nor `context.dicing`,
- * and for too much memory or work.
+ * The mesh, displaced if the parameters say so: edges are halved until they are no longer than the limit
+ * before and after displacement, or no longer than half of it before, so that steep displacement leaves
+ * longer edges. A warning reports a division that ends at the maximum of 20 million triangles. Triangles
+ * split common edges at the same points, so that no cracks appear. Normals are recomputed from the displaced
+ * surface. Throws Error as TriangleMesh does, for a displacement that is not finite, for edgelength without
+ * displacement, for displacement with neither edgelength nor `context.dicing`, and for too much memory or
+ * work.
  */
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context);

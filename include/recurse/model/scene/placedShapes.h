@@ -12,7 +12,7 @@ namespace recurse {
 /** Shape with its attributes and its transform. */
 struct PlacedShape {
   const Shape* shape = nullptr;
-  const Material* material = nullptr; ///< null: no scattering
+  const Material* material = nullptr; ///< null: no scattering, unless Shape::componentMaterials() has others
   bool emits = false;
   uint32_t object = 0;     ///< see Scene::objectName()
   Mat4d sceneFromShape{1}; ///< at the time when the shutter opens; identity for shapes of Scene::shapes()

@@ -42,7 +42,7 @@ struct Hit {
 /** Shape at rest that belongs to no instance or emits; each instance has its own emitting shapes. */
 struct SceneShape {
   const Shape* shape = nullptr;
-  const Material* material = nullptr; ///< null: no scattering
+  const Material* material = nullptr; ///< null: no scattering, unless Shape::componentMaterials() has others
 };
 
 /** Names of a scene's objects. An object is an instance of an ObjectBegin, or a shape outside of any, which

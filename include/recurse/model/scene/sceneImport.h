@@ -17,7 +17,7 @@ namespace recurse {
 /** View proposed by the imported file. */
 struct ImportedCamera {
   std::string name;
-  Mat4d worldFromCamera{1}; ///< pbrt's camera space: x right, y up, z forward
+  Mat4d worldFromCamera{1}; ///< to the space of SceneImport::text; pbrt's camera: x right, y up, z forward
   double fov = 45;          ///< along the shorter axis of the film [degrees]
 };
 
@@ -28,7 +28,7 @@ struct SceneImport {
   std::vector<std::string> filesRead; ///< paths of all sources: the model, and files beside it
   std::vector<ImportedCamera> cameras;
   const ImportedCamera* chosen = nullptr;  ///< one of `cameras`, by the parameter "camera"; null: none
-  Bounds3d bounds;                         ///< of all shapes
+  Bounds3d bounds;                         ///< of all shapes, in the space of `text`
   Vec3d up{0, 1, 0}, front{0, 0, 1};       ///< directions that the model's top and front face, unit
   bool isInterior = false;                 ///< true: the model is viewed from inside
   bool hasLights = false;                  ///< false: a sky and a sun are added where the model is the scene
@@ -57,7 +57,7 @@ class ImportWriter {
   std::string copyFile(const std::string& path);
   /** Adds a file with the mesh; returns the directive `Shape "plymesh"` that names it, with `parameters`, for
    * line(). The mesh transformed by `placement` extends the bounds; the caller writes the Transform. No
-   * placement: an object, whose instances extend the bounds. */
+   * placement: an object; the caller extends the bounds by each instance. */
   std::string meshShape(const std::string& hint, const MeshData& mesh, const std::optional<Mat4d>& placement,
                         const std::string& parameters = {});
   /** Defines a texture of a kind ("spectrum" or "float") with a picture that addFile() returned; returns its

@@ -15,7 +15,7 @@ class CurveShape final : public Shape {
   /** Bézier segment in the object's space. */
   struct Segment {
     Vec3d controls[4];
-    double width0, width1;        ///< diameters at the ends [object units], linear in between
+    double width0, width1;        ///< diameters [object units], linear in between; scaled by cbrt(|det|)
     Vec3d normal0{0}, normal1{0}; ///< at the ends, for ribbons; of any length but zero
   };
 
@@ -25,8 +25,9 @@ class CurveShape final : public Shape {
   Kind kind() const { return curveKind; }
   /** Control points with radius [scene units] in w, four for each segment. */
   const std::vector<glm::vec4>& controls() const { return points; }
-  /** Parameters for surfaceAt() of Embree's hit at u on a segment, by a ray whose direction may have any
-   * length; empty where a ribbon seen at an angle is narrower than the hit. */
+  /** Parameters for surfaceAt() of Embree's hit at u on a segment: u, v in [-1, 1] across the width, and the
+   * flat curve's unit normal. The ray's direction may have any length. Empty where a ribbon seen at an angle
+   * is narrower than the hit. */
   std::optional<HitParameters> parametersOf(uint32_t segment, float u, const Vec3f& origin,
                                             const Vec3f& direction, float t) const;
 

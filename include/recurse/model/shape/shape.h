@@ -144,8 +144,8 @@ class Shape {
    * called. */
   virtual bool canBeSampled() const { return true; }
   virtual float area() const = 0;
-  /** Samples a point of the whole shape; pdf by area. `pick` chooses the primitive. A pdf of 0 means no
-   * point; the probability of that event is included in the density of all points. */
+  /** Samples a point of the whole shape; pdf by area. `pick`, in [0, 1), chooses the primitive. A pdf of 0
+   * means no point: densities integrate to the probability that there is one. */
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
   /** Density of sampleArea() at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }

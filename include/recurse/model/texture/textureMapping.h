@@ -13,7 +13,7 @@ namespace recurse {
 /** Texture coordinates and their differentials along the axes of the footprint; zero where unknown. */
 struct MappedPlace {
   Vec2f st{0}, alongX{0}, alongY{0};
-  /** Half the size of the bounding box of the footprint. */
+  /** Half the size of the bounding box of the parallelogram of both axes, which contains the footprint. */
   Vec2f extent() const { return 0.5f * (glm::abs(alongX) + glm::abs(alongY)); }
 };
 /** Point of texture space and its differentials along the axes of the footprint; zero where unknown. */

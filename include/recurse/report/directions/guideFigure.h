@@ -48,8 +48,9 @@ struct GuideFigure {
 /**
  * Trains the guide of `integrator`, which must be new, in `stages` stages, and finds the directions at pixels
  * {x, y}. Incident radiance is estimated by `samples` rays for each cell of the disc, the light left to rays
- * by as many camera paths, which follow the mixture and have the MIS weights of the render. Throws Error for
- * integrators that learn no directions, for pixels that see no non-delta surface, and like samplingsFigure().
+ * by as many camera paths, which follow the mixture and have the MIS weights of the render. Returns early
+ * when `stop` becomes true: pixels are then missing or incomplete. Throws Error for integrators that learn no
+ * directions, for pixels that see no non-delta surface, and like samplingsFigure().
  */
 GuideFigure guideFigure(const Scene& scene, Integrator& integrator,
                         const std::vector<std::array<int, 2>>& pixels, int stages, int64_t samples,

@@ -14,8 +14,8 @@ namespace recurse {
 /** Drawing in pixels from the upper left corner. Colours are linear, in [0, 1]. */
 struct FigureDrawing {
   struct Picture {
-    int x = 0, y = 0;
-    Image image; ///< R, G, B
+    int x = 0, y = 0; ///< upper left corner; the parts beyond the drawing are cut off
+    Image image;      ///< R, G, B
   };
   struct Line {
     std::vector<Vec2f> points;

@@ -85,7 +85,7 @@ struct ClassConfusion {
 struct Marking {
   PictureChange change;
   double changeCertainty = 0;     ///< probability of the change among all changes tried
-  double exposure = 1;            ///< total light of the picture divided by that of the reference
+  double exposure = 1;            ///< common factor on the light of all classes, besides their own factors
   double exposureError = 0;       ///< standard error of the exposure; 0: the exposure is right
   double exposureCertainty = 0;   ///< probability of this finding on the exposure
   std::vector<ClassMark> classes; ///< in the order of the stills' layers, without the whole picture

@@ -65,7 +65,8 @@ struct TransportCounts {
   uint64_t rays = 0;         ///< intersection and occlusion queries
   uint64_t boundaryRays = 0; ///< number of these that searched for the boundary of a surface within a kernel
   uint64_t nonFinite = 0;    ///< contributions dropped because they were not finite; must be 0
-  double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over camera paths
+  /** Largest channel of the throughput lost to depth and weight limits, summed over camera paths. */
+  double truncatedThroughput = 0;
   uint64_t gathers = 0;           ///< density estimates
   uint64_t photonsFound = 0;      ///< over all gathers
   uint64_t photonsScattered = 0;  ///< number of these whose BSDF was evaluated one by one
@@ -183,7 +184,9 @@ class PathRadiance {
 
 /** Statistics of a forward pass. */
 struct ForwardStatistics {
-  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0; ///< refused: not finite, or too large
+  uint64_t photonsEmitted = 0, photonsStored = 0; ///< in this process
+  /** Photons that are not finite or too large, in the maps of this process, which include shared photons. */
+  uint64_t photonsRefused = 0;
   double shootSeconds = 0, balanceSeconds = 0;                        ///< [s]
   double learningSeconds = 0; ///< processor time of learning, whose results serve later passes, too [s]
   size_t mapBytes = 0;        ///< memory of the photon maps
@@ -209,7 +212,8 @@ class PhotonSharing {
 
 /** Progress report and stop flag of a forward pass. */
 struct ForwardControl {
-  std::function<void(double fraction)> progress = [](double) {}; ///< `fraction`: in [0, 1]
+  /** `fraction`: in [0, 1]. Called from any thread, one at a time; may begin again within a pass. */
+  std::function<void(double fraction)> progress = [](double) {};
   const std::atomic<bool>* stop = nullptr; ///< the pass ends early, incomplete, when it is true; null: never
   /** For this pass's light paths, if Integrator::splats(); null for a pass whose splats exist already. */
   Splatter* splatter = nullptr;

@@ -30,7 +30,9 @@ struct RecordedLightVertex {
   LightVertexKind kind = LightVertexKind::START;
   PathEvent event = PathEvent::D; ///< event at the previous vertex, unless that is a START
   Vec3f position{0};              ///< [scene units], relative to Scene::origin()
-  Rgb flux{0};                    ///< emitted or on arrival, divided by the number of light paths [W]
+  /** Emitted or on arrival, divided by the number of light paths [W]; black for a START in
+   * PathRecorder::lightVertices. */
+  Rgb flux{0};
   LightState state{};             ///< state before the event at this vertex
   bool stored = false;            ///< kept as a photon, a virtual light or a vertex for connections
 };

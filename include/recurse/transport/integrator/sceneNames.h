@@ -14,7 +14,7 @@ namespace recurse {
 /** Names for path classes: lights by their number in the light table, then media by their index less one;
  * objects by Hit::object, each with its common and its numbered name; materials by Material::number. The N-th
  * lamp of Scene::lamps(), from 1, is called `light-N` if it has no name, the N-th medium `medium-N`; names
- * that are taken get "_" at their end. */
+ * that are taken get "_" at their end. A medium that emits nothing has the names of the first source. */
 PathNames pathNames(const Scene& scene);
 
 /** Path classes whose expressions may name lamps and surfaces of the scene. Throws Error like PathClasses. */
