@@ -29,8 +29,8 @@ inline bool isInfinite(LightKind kind) {
 
 /** Ray that a light may have emitted; for infinite lights it may start anywhere on its line. */
 struct LeRay {
-  Vec3f origin;           ///< on the light: on its surface, or offset from it
-  Vec3f direction;        ///< unit, away from the light
+  Vec3f origin;    ///< on the light: on its surface, or offset from it
+  Vec3f direction; ///< unit, away from the light
   /** Unit geometric normal of an emitting surface, on either side if both emit; zero for other lights. */
   Vec3f normal{0};
   uint32_t primitive = 0; ///< of the emitting shape
@@ -75,9 +75,9 @@ struct LiSample {
   Rgb radiance;  ///< incident radiance [W/(m² sr)]; of POINT and DISTANT: irradiance across the ray [W/m²]
   float pdf = 0; ///< density [1/sr]; 1 for POINT and DISTANT
   bool unhittable = false; ///< true: BSDF sampling cannot find the light, since no ray hits it
-  Vec3f normal{0};        ///< LeRay::normal at the target
-  uint32_t primitive = 0; ///< of the emitting shape
-  float time = 0;         ///< see LeRay::time
+  Vec3f normal{0};         ///< LeRay::normal at the target
+  uint32_t primitive = 0;  ///< of the emitting shape
+  float time = 0;          ///< see LeRay::time
 
   /** Ray from the target along which the light arrives, for pdfLe(). */
   LeRay emitted() const { return {target, -direction, normal, primitive, time}; }

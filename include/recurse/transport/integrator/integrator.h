@@ -67,9 +67,9 @@ struct TransportCounts {
   uint64_t nonFinite = 0;    ///< contributions dropped because they were not finite; must be 0
   /** Largest channel of the throughput lost to depth and weight limits, summed over camera paths. */
   double truncatedThroughput = 0;
-  uint64_t gathers = 0;           ///< density estimates
-  uint64_t photonsFound = 0;      ///< over all gathers
-  uint64_t photonsScattered = 0;  ///< number of these whose BSDF was evaluated one by one
+  uint64_t gathers = 0;                 ///< density estimates
+  uint64_t photonsFound = 0;            ///< over all gathers
+  uint64_t photonsScattered = 0;        ///< number of these whose BSDF was evaluated one by one
   KernelRadii causticRadii, otherRadii; ///< of estimates from caustic photons, and from all other photons
   void add(const TransportCounts& o) {
     causticRadii.add(o.causticRadii);
@@ -187,7 +187,7 @@ struct ForwardStatistics {
   uint64_t photonsEmitted = 0, photonsStored = 0; ///< in this process
   /** Photons that are not finite or too large, in the maps of this process, which include shared photons. */
   uint64_t photonsRefused = 0;
-  double shootSeconds = 0, balanceSeconds = 0;                        ///< [s]
+  double shootSeconds = 0, balanceSeconds = 0; ///< [s]
   double learningSeconds = 0; ///< processor time of learning, whose results serve later passes, too [s]
   size_t mapBytes = 0;        ///< memory of the photon maps
   std::optional<GuideStatistics> guide; ///< guide of this pass's camera paths; empty: none

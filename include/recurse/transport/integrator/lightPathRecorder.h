@@ -33,8 +33,8 @@ struct RecordedLightVertex {
   /** Emitted or on arrival, divided by the number of light paths [W]; black for a START in
    * PathRecorder::lightVertices. */
   Rgb flux{0};
-  LightState state{};             ///< state before the event at this vertex
-  bool stored = false;            ///< kept as a photon, a virtual light or a vertex for connections
+  LightState state{};  ///< state before the event at this vertex
+  bool stored = false; ///< kept as a photon, a virtual light or a vertex for connections
 };
 
 /** Record of every n-th light path of the latest forward pass. */
