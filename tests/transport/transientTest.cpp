@@ -90,9 +90,9 @@ void expectPulse(const Rendered& r, const TransientFrames& frames, const Pulse& 
 void expectPulse(const std::string& world, const std::string& paths, const TransientFrames& frames,
                  const Pulse& pulse, const std::vector<std::pair<Way, double>>& ways) {
   const auto scene = sceneFrom(fromAbove(world));
-  // A sixteenth of the samples has four times the error.
-  constexpr int SAMPLES = SANITIZED ? 4 : 64;
-  constexpr double SCALE = SANITIZED ? 4 : 1;
+  // A quarter of the samples has twice the error.
+  constexpr int SAMPLES = SANITIZED ? 16 : 64;
+  constexpr double SCALE = SANITIZED ? 2 : 1;
   for (const auto& [way, tolerance] : ways) {
     SCOPED_TRACE(way.integrator);
     expectPulse(renderClasses(*scene, way, framed(frames, paths), SAMPLES, 1), frames, pulse,
