@@ -34,7 +34,7 @@ class PixelSampler {
     return hasPoints ? samplerOfPoints(sample) : Sampler(sample.seed, sample.pixel(), sample.index);
   }
   /** Number of equal strata of a dimension that hold equally many of the first `samples` samples of a pixel,
-   * if so many are requested. `dimension`: 2 · pair + axis, each from 0. 1: no stratification. */
+   * if so many are requested; 1: no stratification. `dimension`: 2 · pair + axis, each from 0. */
   virtual uint32_t strata(uint32_t dimension, uint32_t samples) const = 0;
   /** Whether the samples of different pixels are independent. */
   virtual bool hasIndependentPixels() const { return true; }

@@ -136,7 +136,7 @@ class Film {
    * sample variance gives the distribution of the error, not its scale. The scale is the difference of two
    * halves of the samples, each of whole batches of consecutive ones, averaged over neighbouring pixels.
    * Errors common to all samples, such as those from a single photon map, are not included. The variance of
-   * splats is; that of samples is zero before the second one.
+   * splats is included; the variance of samples is zero before the second sample.
    */
   std::vector<double> standardErrors() const;
   /**
