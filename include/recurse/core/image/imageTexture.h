@@ -65,7 +65,7 @@ class ImageTexture {
   /**
    * Linear value at `st`: s from the left, t from the top, fractions of the image; one channel gives grey.
    * alongX and alongY are the changes of (s, t) along the axes of the footprint, over their full lengths;
-   * zero for a point.
+   * zero for a point. Throws Error where the texture system fails.
    */
   Rgb at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const;
 

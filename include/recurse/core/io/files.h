@@ -11,7 +11,8 @@ namespace recurse {
  * are written. False for devices and pipes, which keep no data. */
 bool isSameFile(const std::string& a, const std::string& b);
 
-/** True where the name, of a file or folder that need not exist, is below the folder, links followed. */
+/** True where the name, of a file or folder that need not exist, is below the folder, links followed. Empty
+ * folder: the current one. */
 bool isInside(const std::string& name, const std::string& folder);
 
 /** True for a pipe, terminal, socket or device that this process has open, such as /dev/stdout. */

@@ -21,7 +21,8 @@ class ZipArchive {
   const std::vector<std::string>& names() const { return entries; }
   /** Key of a name: lower case, with '/'. Names with the same key refer to the same file. */
   static std::string normalised(const std::string& name);
-  /** Content of a file of `names`. Throws Error where it is damaged, over 1 GiB or not of the stated size. */
+  /** Content of a file by its name in names(), not by its key. Throws Error where it is missing, damaged,
+   * over 1 GiB or not of the stated size. */
   std::string read(const std::string& name) const;
 
  private:

@@ -14,7 +14,7 @@
 
 namespace recurse {
 
-/** Storage for objects that are not constructed, kept for reuse; large arrays use huge pages. */
+/** Uninitialised storage for trivially copyable objects, kept for reuse; large arrays use huge pages. */
 template <class T> class LargeArray {
  public:
   LargeArray() = default;
@@ -29,8 +29,8 @@ template <class T> class LargeArray {
   size_t bytes() const { return allocated * sizeof(T); }
   /** Number of objects that there is room for. */
   size_t capacity() const { return allocated; }
-  /** Makes room for n objects or more. If it must grow, the present content is kept only with `keep`. Throws
-   * std::bad_alloc: then a content to be kept is unchanged, and another one is gone. */
+  /** Makes room for n objects or more. Growth keeps the content only with `keep`. Throws std::bad_alloc; the
+   * content is then unchanged with `keep`, and may be lost without. */
   void reserve(size_t n, bool keep = false);
 
  private:

@@ -36,7 +36,7 @@ int threadCount();
 
 /** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool, and returns when all are done.
  * Without a pool it uses all cores. Each i may write only to data of its own. Throws Interrupted, see
- * checkInterrupted(), and passes exceptions of `body` on. */
+ * checkInterrupted(), or the first exception of `body`; iterations that have not begun are then skipped. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

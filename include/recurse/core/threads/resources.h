@@ -8,7 +8,7 @@
 
 namespace recurse {
 
-/** Sets the memory that the process may take in all [bytes]. */
+/** Sets the total memory of the process [bytes], for availableMemory(); allocations are not limited by it. */
 void setMemoryLimit(double bytes);
 
 /** Memory that the process can still take [bytes]: the remainder of setMemoryLimit(), else the memory free

@@ -75,7 +75,8 @@ class ScatteringPoint {
     return value(eye, light) * absDot(light, frame.z);
   }
 
-  /** Non-delta BSDF times the cosine of `wo`, for a photon that arrives from `wi` and leaves towards `wo`. */
+  /** Non-delta BSDF times the cosine of `wo` and the correction for shading normals, for a photon that
+   * arrives from `wi` and leaves towards `wo`. */
   Rgb evaluateFlux(const Vec3f& wi, const Vec3f& wo) const {
     const Vec3f localI = frame.toLocal(wi), localO = frame.toLocal(wo);
     const Rgb f = lobeSet & LAMBERTIAN ? value(wo, wi) : leaks(wi, wo) ? BLACK : fluxValue(localI, localO);
@@ -176,8 +177,8 @@ class ScatteringPoint {
     return s;
   }
 
-  /** Enumerates all delta steps, and returns their number; the weights are not divided by a selection
-   * probability. */
+  /** Enumerates all delta steps, and returns their number. Each has pdf 1: its weight is not divided by a
+   * selection probability. */
   int deltaScatters(const Vec3f& wi, Transport transport,
                     std::array<Scatter, DeltaScatters::MAX_COUNT>& out) const {
     const Vec3f local = frame.toLocal(wi);
@@ -190,7 +191,7 @@ class ScatteringPoint {
     return n;
   }
 
-  // Steps by lobes of one kind. Empty: absorbed, or no such lobe.
+  // Steps by lobes of one kind. Empty: absorbed, or no such lobe. Delta steps have pdf 1.
 
   /** Step of a photon by the non-delta lobes: flux towards a sampled direction. */
   std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
@@ -204,8 +205,8 @@ class ScatteringPoint {
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, REFRACTION);
   }
-  /** Refraction step of a camera path; of several, one is sampled, and its weight represents all. Its pdf
-   * is 1, not the probability of the choice. */
+  /** Refraction step of a camera path; of several, one is sampled, and its weight is divided by the
+   * probability of the choice. */
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
 
   /** Shading normal. */

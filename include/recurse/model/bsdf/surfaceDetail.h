@@ -18,13 +18,13 @@ class SurfaceDetail {
 };
 
 /**
- * Bump map: shading normal of the surface displaced by `height` [scene units] along its normal (Blinn,
- * "Simulation of Wrinkled Surfaces", 1978), from the derivatives dpdu + (dh/du) n + h dndu, and likewise by
- * v, as in pbrt-v4.
+ * Bump map: shading normal of the surface displaced along its normal by the red component of `height` [scene
+ * units] (Blinn, "Simulation of Wrinkled Surfaces", 1978), from the derivatives dpdu + (dh/du) n + h dndu,
+ * and likewise by v, as in pbrt-v4.
  */
 std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height);
-/** Normal map: the normal is 2 (r, g, b) - 1 in the axes along dpdu, across it, and along the shading normal.
- * Throws Error where the file cannot be read. */
+/** Normal map: the normal is 2 (r, g, b) - 1 in the frame x, n × x, n, with n the shading normal and x along
+ * dpdu; colours are not decoded from sRGB. Throws Error where the file cannot be read. */
 std::unique_ptr<SurfaceDetail> normalMap(const FileReference& file);
 
 } // namespace recurse

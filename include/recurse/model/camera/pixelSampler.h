@@ -58,7 +58,7 @@ class PixelSampler {
 std::vector<ParameterSpec> pixelSamplerParameters(std::vector<ParameterSpec> more = {});
 /** Parameter "seed". */
 ParameterSpec samplerSeedParameter();
-/** Reads the parameters of pixelSamplerParameters(). */
+/** Returns `sampler` with the values of the parameters of pixelSamplerParameters(). */
 std::unique_ptr<PixelSampler> withPixelSamples(std::unique_ptr<PixelSampler> sampler, const Parameters& p);
 
 /** Largest power of `base` that divides `number` > 0. */

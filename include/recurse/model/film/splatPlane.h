@@ -20,7 +20,8 @@ namespace recurse {
  * Sum of contributions for each pixel and layer with the common number of light paths, and for each pixel the
  * sums of luminance and squared luminance for the variance. Sums are 128-bit fixed-point numbers, so that
  * threads may add in any order with bit-identical results. Fractions of the unit are rounded at random, by a
- * hash of the contribution, without bias.
+ * hash of the contribution, without bias. Indices of pixels are row by row within the bounds, and not
+ * checked.
  */
 class SplatPlane {
  public:
@@ -62,7 +63,7 @@ class SplatPlane {
     return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(moments)),
             std::as_writable_bytes(std::span(&figures, 1))};
   }
-  /** Add sums, or the last block of state(), of a second plane; see Film::StatePart. */
+  /** Film::StatePart::Add for the elements of state(): `count` WideSums, or `count` last blocks. */
   static void addSums(const void* from, void* into, size_t count);
   static void addFigures(const void* from, void* into, size_t count);
   /** Size of state() [bytes]. */

@@ -47,14 +47,15 @@ const std::vector<std::string>& namedSpectra();
 SampledSpectrum spectrumFromPairs(const std::vector<double>& pairs);
 /** Reads two columns: wavelength [nm] and value; '#' begins a comment. Throws Error. */
 SampledSpectrum readSpectrumFile(const std::string& path);
-/** Matrix that adapts the white of a phase of daylight, or from 1000 to 4000 K of a black body, to the white
- * of Rec. 709: von Kries adaptation of linear Rec. 709 colours in Bradford's cone space, as in pbrt. */
+/** Matrix that adapts the white of a colour temperature [K] to the white of Rec. 709: a black body from 1000
+ * to 4000 K, daylight above. Von Kries adaptation of linear Rec. 709 colours in Bradford's cone space, as in
+ * pbrt. */
 Mat3d whiteBalance(double kelvin);
 /** Names of pbrt's colour spaces, which rgbInColorSpace() accepts. */
 const std::vector<std::string>& namedColorSpaces();
 /** Linear Rec. 709 of an rgb value in a colour space of namedColorSpaces(), moved into the gamut; unchanged
- * for "srgb" and an empty name. An emission keeps its colour; a factor is defined by its effect on the white
- * of its space, so that grey stays grey. */
+ * for "srgb" and an empty name. An emission keeps its colour and luminance; a factor is defined by its effect
+ * on the white of its space, so that grey stays grey. */
 Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind kind);
 /** CIE XYZ (2°) of linear Rec. 709. */
 Vec3d xyzOfRgb(const Rgbd& rgb);
