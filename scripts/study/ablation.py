@@ -27,9 +27,7 @@ MAP, GATHER = [], ['finalgather=4']
 # Name, settings with it, settings that leave it out besides; the last integrator that is named, or photonmap.
 MECHANISMS = [
     ('all guidance of photons', MAP, ['guided=false']),
-    ('emission guide', MAP, ['without=guide']),
-    ('aim of far lamps', MAP, ['without=aim']),
-    ('openings for photons', MAP, ['without=portals']),
+    ('guided emission', MAP, ['guided=false']),
     ('openings for shadow rays', MAP, ['without=shadowopenings']),
     ('light choice by place, and these', MAP, ['without=lightlearning']),
     ('split of strong photons', MAP, ['without=splitting']),

@@ -85,11 +85,11 @@ class VirtualPointLights final : public Integrator {
     arena.reset();
     if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
     if (pass.index == 0) {
-      guide = learnEmissionGuide(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
+      guide = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
       if (guide.active())
-        statistics.notes.push_back(formatted("virtual lights: emission is guided to surfaces that the camera "
-                                             "sees; the variance of a light path is %.3g times smaller",
-                                             guide.gain()));
+        statistics.notes.push_back(formatted("virtual lights: %.0f %% of the light paths start towards "
+                                             "surfaces and openings that camera paths meet",
+                                             100 * guide.boxPart()));
     }
     if (control.lightPaths) control.lightPaths->beginPass(static_cast<uint64_t>(settings.lightPaths));
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i) {
@@ -232,7 +232,7 @@ class VirtualPointLights final : public Integrator {
   VplSettings settings;
   LightSampler lights;
   float bound = INFINITE; ///< maximum of the geometry term
-  EmissionGuide guide;    ///< emission density of the light paths
+  EmissionMixture guide;  ///< emission density of the light paths
   // State of the current pass:
   std::vector<VirtualLight> virtualLights;
   BsdfArena arena; ///< memory of the virtual lights' BSDFs

@@ -95,7 +95,7 @@ class Auto final : public Integrator {
     const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
     if (photons.caustics().map.empty() && !causticsInMedia) return true;
     for (uint32_t i = 0; i < scene.lights().size(); ++i) // rays rarely hit far lights
-      if (!scene.lights()[i].isIntersectable() || photons.isAimed(i)) return false;
+      if (!scene.lights()[i].isIntersectable() || photons.isFar(i)) return false;
     return true;
   }
 

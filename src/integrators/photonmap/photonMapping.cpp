@@ -17,9 +17,6 @@ constexpr double MAX_RADIUS = 1e17;
 constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanism::NONE},
                                                             {"lightlearning", Mechanism::LIGHT_LEARNING},
                                                             {"shadowopenings", Mechanism::SHADOW_OPENINGS},
-                                                            {"guide", Mechanism::GUIDE},
-                                                            {"portals", Mechanism::PORTALS},
-                                                            {"aim", Mechanism::AIM},
                                                             {"splitting", Mechanism::SPLITTING},
                                                             {"judgedradii", Mechanism::JUDGED_RADII},
                                                             {"mergeweights", Mechanism::MERGE_WEIGHTS}};

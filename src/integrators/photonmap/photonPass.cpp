@@ -88,8 +88,6 @@ void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, c
                                ForwardStatistics& statistics) {
   const ProcessorTimer timer(statistics.learningSeconds);
   guidance = {};
-  portals = {};
-  aim = {};
   media = {};
   learnOutsideMedium(scene, statistics);
   if (usesMedia(scene) && !emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
@@ -129,9 +127,6 @@ void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons sho
 void PhotonPass::learnFrom(const PhotonPass& other) {
   causticLayer.choice = other.causticLayer.choice;
   causticLayer.radii = other.causticLayer.radii;
-  portals = other.portals;
-  aim = other.aim;
-  lights = other.lights;
   guidance = other.guidance;
   region = other.region;
   outside = other.outside;

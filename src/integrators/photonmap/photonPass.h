@@ -19,9 +19,6 @@ enum class Mechanism {
   NONE,
   LIGHT_LEARNING,  ///< lights and openings for shadow rays are sampled by position
   SHADOW_OPENINGS, ///< shadow rays to an environment go through openings
-  GUIDE,           ///< emission of photons follows useful trial photons
-  PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
-  AIM,             ///< photons of far lights are aimed at the vertices of camera paths
   SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
   MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
@@ -108,8 +105,8 @@ class PhotonPass {
 
   /** Densities of the emission of photons along a ray that a light emits. */
   LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
-  /** Whether photons of this light are aimed, because it is far from the visible surfaces. */
-  bool isAimed(uint32_t light) const { return aim.isAimed(light); }
+  /** Whether a finite light is so far from what camera paths meet that rays rarely hit it. */
+  bool isFar(uint32_t light) const { return guidance.emission.isFar(light); }
   /** Probability that a photon starts at a light. */
   float probability(const Scene& scene, uint32_t light) const;
   /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and
@@ -153,13 +150,6 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
-  /** Selects openings for infinite lights and aims for far lamps, where trial photons show that they pay. */
-  void learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed, const ShootSettings& shoot,
-                   const ForwardControl& control, TransportCounts& counts);
-  /** Adds notes on the learned guidance. */
-  void noteGuidance(std::vector<std::string>& notes) const;
-  /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
-  LightTable lightsByPower(const LightTable& lights) const;
   /** Starts of photons as far as they are learned, without emissive media. */
   EmissionSettings emission() const;
   /** Learns the medium around the scene, and its transmittance for infinite lights. */
@@ -179,9 +169,6 @@ class PhotonPass {
   uint16_t outside = 0;        ///< medium around the scene
   Rgb outsideTransmittance{1}; ///< transmittance of that medium for infinite lights
   EmissiveMedia emissiveMedia; ///< learned before the first pass, for all
-  LightPortals portals;        ///< learned before the first pass, for all
-  PhotonAim aim;               ///< learned before the first pass, for all
-  LightTable lights;           ///< result of lightsByPower()
   PhotonGuidance guidance;     ///< learned before the first pass, for all
   VisibleRegion region;        ///< learned before the first pass, for all
   uint64_t emitted = 0;

@@ -11,7 +11,7 @@ namespace recurse {
 
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                             ForwardStatistics& statistics) {
-  const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
+  const float counted = static_cast<float>(emitted);
   const LightSampler* sampled = settings.directLight ? nullptr : &shadowRays;
   const RayAlternative toIndirect{counted, sampled};
   constexpr float FIREFLY = 1e6f; // relative value that about one sample of an image exceeds
@@ -90,8 +90,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
-    here.settings.merging =
-        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
+    here.settings.merging = causticsKnown ? static_cast<float>(emitted) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
   } else {
@@ -122,8 +121,7 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   errors.variance = stain * variance;
   errors.bias2 = double(record.bias2);
   if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
-  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
-                                      (errors.variance + errors.bias2));
+  gather.merging = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
   errors.byRays = double(record.worth.raysVariance);
   gather.unknownWeight = errors.photonWeight(1);
   if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;

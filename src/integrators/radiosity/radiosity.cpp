@@ -46,8 +46,7 @@ class Radiosity final : public Integrator {
                                               "light: only shapes at rest with one diffuse "
                                               "material, which can be divided into patches, reflect it",
                                               patches.ignoredShapes()));
-    guide =
-        learnEmissionGuide(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
+    guide = learnEmission(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
     solve(scene, classes, pass, control, statistics);
     reconstruct();
     statistics.photonsEmitted = static_cast<uint64_t>(rays);
@@ -249,7 +248,7 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
-  EmissionGuide guide; ///< emission density of the rays from the lights
+  EmissionMixture guide; ///< emission density of the rays from the lights
   Patches patches;
   size_t states = 1;                 ///< number of states of a light path
   std::vector<Rgb> received;         ///< irradiance without direct light [W/area], by patch, side and state

@@ -16,7 +16,7 @@ constexpr uint64_t SHADOW_PORTAL_STREAM = 0x574e44575321ull;
 
 } // namespace
 
-PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> exits) {
+PortalSampler::Opening PortalSampler::fit(std::span<const CameraExit> exits) {
   constexpr size_t CANDIDATES = 8; // quantiles of the crossings, and of the last vertices (panes)
   constexpr int HALVINGS = 6;
   constexpr float GROWTH = 0.05f; // relative margin for open area beyond the outermost paths
@@ -27,7 +27,7 @@ PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> ex
   const auto consider = [&](int axis, float at) {
     u.clear();
     v.clear();
-    for (const LightPortals::Exit& e : exits) {
+    for (const CameraExit& e : exits) {
       const float t = (at - e.position[axis]) / e.direction[axis];
       if (!(t >= -e.along - 1e-3f * e.along && t < INFINITE)) continue;
       u.push_back(e.position[(axis + 1) % 3] + t * e.direction[(axis + 1) % 3]);
@@ -55,7 +55,7 @@ PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> ex
   for (int axis = 0; axis < 3; ++axis)
     for (const bool atVertex : {false, true}) {
       coordinates.clear();
-      for (const LightPortals::Exit& e : exits)
+      for (const CameraExit& e : exits)
         coordinates.push_back(e.position[axis] - (atVertex ? e.along * e.direction[axis] : 0));
       std::sort(coordinates.begin(), coordinates.end());
       for (size_t i = 0; i <= CANDIDATES; ++i)
@@ -67,7 +67,7 @@ PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> ex
   return best;
 }
 
-void PortalSampler::divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels) {
+void PortalSampler::divide(std::span<CameraExit> exits, const Opening& whole, int levels) {
   constexpr size_t MIN_PATHS = 32;
   constexpr int CUTS = 8;
   constexpr float SMALLER = 0.7f; // maximum area of two openings, relative to one
@@ -228,7 +228,7 @@ TransportCounts PortalSampler::learn(const Scene& scene) {
   TransportCounts counts;
   if (scene.environment().empty()) return counts;
   constexpr size_t MAX_EXITS = 512; // more do not improve a few rectangles
-  std::vector<LightPortals::Exit> exits = LightPortals::crossings(scene, SHADOW_PORTAL_STREAM, counts);
+  std::vector<CameraExit> exits = exitCrossings(scene, SHADOW_PORTAL_STREAM, counts);
   for (size_t i = 0; exits.size() > MAX_EXITS && i < MAX_EXITS; ++i)
     exits[i] = exits[i * exits.size() / MAX_EXITS];
   exits.resize(std::min(exits.size(), MAX_EXITS));

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "transport/direct/lightPortals.h"
+#include "transport/direct/cameraExits.h"
 
 namespace recurse {
 
@@ -37,8 +37,8 @@ class PortalSampler {
     float area = 0;
   };
   /** Smallest tested opening that nearly all of the paths leave through. */
-  static Opening fit(std::span<const LightPortals::Exit> exits);
-  void divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels);
+  static Opening fit(std::span<const CameraExit> exits);
+  void divide(std::span<CameraExit> exits, const Opening& whole, int levels);
 
   /** Cumulative sums of the estimated solid angles of the openings [sr]. */
   static constexpr int LEVELS = 4; // at most 2^LEVELS openings, as each shadow ray evaluates all

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "transport/emission/emissionGuide.h"
+#include "transport/emission/visibleRegion.h"
 #include "transport/paths/walk.h"
 #include "transport/weights/gatherWeighting.h"
 

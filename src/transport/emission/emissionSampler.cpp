@@ -10,13 +10,6 @@
 
 namespace recurse {
 
-LePdf EmissionSettings::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
-  LePdf pdf = light.pdfLe(ray);
-  if (isAimed(index)) pdf.direction = aim->pdfDirection(light, ray, pdf.direction);
-  if (entersByPortals(light)) pdf.position = portals->pdf(ray.origin, ray.direction);
-  return pdf;
-}
-
 /** Fraction of the paths that emissive media start: proportional to power, but between a tenth and nine
  * tenths if the scene has lights, too. */
 float EmissionSampler::partOfMedia() const {
@@ -30,25 +23,15 @@ float EmissionSampler::partOfMedia() const {
   return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
 }
 
-EmissionGuide::TrainingSample EmissionSampler::draw(Sampler& sampler) const {
-  const float light = sampler.next1D(), part = sampler.next1D();
-  const Vec2f position = sampler.next2D(), direction = sampler.next2D();
-  EmissionGuide::TrainingSample sample{{light, part, position.x, position.y, direction.x, direction.y}, 1};
-  if (settings.guide && settings.guide->active())
-    sample.weight = 1 / settings.guide->warp(sample.numbers, sampler.next1D());
-  return sample;
-}
-
-bool EmissionSampler::start(const EmissionGuide::TrainingSample& sample, float time, Sampler& sampler,
-                            LightStart& start) const {
+bool EmissionSampler::start(float time, Sampler& sampler, LightStart& start) const {
   start = {};
   const bool byMedium = mediaPart > 0 && (mediaPart >= 1 || sampler.next1D() < mediaPart);
   if (byMedium)
-    fromMedium(sample.numbers, time, start);
-  else if (!fromLight(sample.numbers, time, sampler, start))
+    fromMedium(time, sampler, start);
+  else if (!fromLight(time, sampler, start))
     return false;
   LightSubpath& path = start.path;
-  path.throughput *= sample.weight / (byMedium ? mediaPart : 1 - mediaPart);
+  path.throughput /= byMedium ? mediaPart : 1 - mediaPart;
   if (!isFinite(path.throughput)) {
     ++counts.nonFinite;
     return false;
@@ -67,32 +50,34 @@ bool EmissionSampler::start(const EmissionGuide::TrainingSample& sample, float t
   return true;
 }
 
-void EmissionSampler::fromMedium(const EmissionGuide::Numbers& n, float time, LightStart& start) const {
+void EmissionSampler::fromMedium(float time, Sampler& sampler, LightStart& start) const {
+  const float pick = sampler.next1D();
+  const Vec2f across = sampler.next2D();
   auto [position, nesting, power, medium] =
-      settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
-  start.path.ray = {position, uniformSphere({n[4], n[5]}), INFINITE, time};
+      settings.media->sample(scene, time, pick, {across.x, across.y, sampler.next1D()}, counts);
+  start.path.ray = {position, uniformSphere(sampler.next2D()), INFINITE, time};
   start.path.throughput = power;
   start.path.state = startInMedium(scene, classes, medium);
   start.path.nesting = nesting;
 }
 
-bool EmissionSampler::fromLight(const EmissionGuide::Numbers& n, float time, Sampler& sampler,
-                                LightStart& start) const {
+bool EmissionSampler::fromLight(float time, Sampler& sampler, LightStart& start) const {
   const LightTable& lights = settings.table(scene);
-  float pick = n[0];
+  float pick = sampler.next1D();
   const size_t chosen = lights.chooseIndex(pick);
   const auto index = static_cast<uint32_t>(chosen);
   const float probability = lights.probability(chosen);
   if (!(probability > 0)) return false;
   const Light& light = lights[chosen];
-  const bool aimed = settings.isAimed(index);
-  const Vec2f towards{n[4], n[5]};
-  std::optional<LeSample> emission =
-      light.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+  LeRandom random;
+  random.pick = sampler.next1D();
+  random.position = sampler.next2D();
+  random.direction = sampler.next2D();
+  random.time = time;
+  std::optional<LeSample> emission = light.sampleLe(random);
   if (!emission) return false;
-  if (aimed) settings.aim->redirect(light, *emission, pick, towards);
+  if (settings.isMixed()) settings.mixture->redirect(index, *emission, pick, sampler.next2D());
   if (isBlack(emission->flux)) return false;
-  if (settings.entersByPortals(light)) settings.portals->redirect(*emission, pick, {n[2], n[3]});
   start.probability = probability;
   start.pdf = {emission->pdfPosition, emission->pdfDirection};
   LightEnd& end = start.end;
@@ -114,12 +99,11 @@ bool EmissionSampler::fromLight(const EmissionGuide::Numbers& n, float time, Sam
 
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
                                             Sampler& sampler, TransportCounts& counts,
-                                            const EmissionGuide* guide) {
+                                            const EmissionMixture* mixture) {
   EmissionSettings settings;
-  settings.guide = guide;
-  const EmissionSampler starts(scene, classes, settings, counts);
+  settings.mixture = mixture;
   LightStart start;
-  if (!starts.start(starts.draw(sampler), time, sampler, start)) return {};
+  if (!EmissionSampler(scene, classes, settings, counts).start(time, sampler, start)) return {};
   return start;
 }
 

@@ -55,10 +55,9 @@ class PhotonWalk {
         starts(scene, classes, settings.emission, counts), walker(scene, classes, counts, settings.maxDepth) {
   }
 
-  /** Shoots one photon. Returns the random numbers of its start and the inverse of their density. */
-  EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
-    const EmissionGuide::TrainingSample sample = starts.draw(sampler);
-    if (!starts.start(sample, time, sampler, origin)) return sample;
+  /** Shoots one photon. Returns its start; null where nothing is emitted. */
+  const LightStart* shoot(Sampler sampler, float time) {
+    if (!starts.start(time, sampler, origin)) return nullptr;
     storesDirect = settings.direct || !origin.end.light;
     PhotonPath photon;
     photon.path = origin.path;
@@ -73,7 +72,7 @@ class PhotonWalk {
       waiting.pop_back();
       walk(next, ownSampler);
     }
-    return sample;
+    return &origin;
   }
 
   std::vector<RecordedLightVertex>* record = nullptr; ///< of the next photons; null: they are not recorded

@@ -8,6 +8,7 @@
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/lightSampler.h"
 #include "transport/emission/emissionSampler.h"
+#include "transport/emission/visibleRegion.h"
 
 namespace recurse {
 

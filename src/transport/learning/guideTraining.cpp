@@ -107,12 +107,12 @@ std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const
   constexpr uint64_t TRIALS = 8192; // photons of a round that learn where to start
   const PathClasses allPaths;
   if (stage < 0)
-    emission = learnEmissionGuide(scene, allPaths, pass.seed, settings.maxDepth, control, counts, TRIALS);
+    emission = learnEmission(scene, allPaths, pass.seed, settings.maxDepth, control, counts, TRIALS);
   ShootSettings shoot;
   shoot.photons = static_cast<uint64_t>(count);
   shoot.maxDepth = settings.maxDepth;
   shoot.direct = false;
-  shoot.emission.guide = &emission;
+  shoot.emission.mixture = &emission;
   return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
 }
 

@@ -6,7 +6,7 @@
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
-#include "transport/emission/emissionGuide.h"
+#include "transport/emission/emissionMixture.h"
 #include "transport/guiding/guideField.h"
 
 namespace recurse {
@@ -45,8 +45,8 @@ class GuideTraining {
                                           const ForwardControl& control, TransportCounts& counts);
 
   GuideTrainingSettings settings;
-  int stage = -1;         ///< last completed stage; -1: none
-  EmissionGuide emission; ///< learned before the first stage, for the photons of all stages
+  int stage = -1;           ///< last completed stage; -1: none
+  EmissionMixture emission; ///< learned before the first stage, for the photons of all stages
   std::vector<GuideRecord> records;
   GuideField field;
 };

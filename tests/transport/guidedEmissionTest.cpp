@@ -1,34 +1,13 @@
 /** @file
- * Guided photons: densities against closed forms, pictures against those without a guide.
+ * Guided photons: pictures against those without guidance.
  */
-#include <random>
-
-#include "transport/emission/emissionGuide.h"
+#include "transport/emission/visibleRegion.h"
 #include "transport/rendering.h"
 
 using namespace recurse;
 using namespace recurse::testing;
 
 namespace {
-
-EmissionGuide::Numbers randomNumbers(std::mt19937& random) {
-  EmissionGuide::Numbers n;
-  for (float& x : n) x = std::uniform_real_distribution<float>(0, 0.99999f)(random);
-  return n;
-}
-
-/** What a photon brings in the tests: something only in a corner whose dimensions hang together. */
-bool useful(const EmissionGuide::Numbers& n) {
-  return n[0] > 0.7f && n[0] < 0.8f && std::abs(n[3] - n[4]) < 0.05f;
-}
-
-EmissionGuide learned(int trials) {
-  std::mt19937 random(1);
-  std::vector<EmissionGuide::TrainingSample> found;
-  for (int i = 0; i < trials; ++i)
-    if (const EmissionGuide::Numbers n = randomNumbers(random); useful(n)) found.push_back({n, 1});
-  return EmissionGuide(found, trials);
-}
 
 /** Closed rooms in a row, each with its lamp; the eye is in the first one. */
 std::string rooms(int count) {
@@ -50,40 +29,7 @@ std::string rooms(int count) {
 
 } // namespace
 
-TEST(EmissionGuide, DensitiesAreThoseOfTheSamples) {
-  const EmissionGuide guide = learned(100000);
-  ASSERT_TRUE(guide.active());
-  EXPECT_GT(guide.gain(), 5);
-  std::mt19937 random(2);
-  // The mean of f/q is the integral of f, and the mean of 1/q that of 1.
-  double one = 0, part = 0, squares = 0;
-  constexpr int N = 400000;
-  for (int i = 0; i < N; ++i) {
-    EmissionGuide::Numbers n = randomNumbers(random);
-    const double q = double(guide.warp(n, std::uniform_real_distribution<float>(0, 1)(random)));
-    ASSERT_GE(q, 0.0999);
-    for (const float x : n) ASSERT_TRUE(x >= 0 && x < 1);
-    one += 1 / q / N;
-    part += useful(n) / q / N;
-    squares += useful(n) / (q * q) / N;
-  }
-  const double truth = 0.1 * (1 - 0.95 * 0.95);
-  EXPECT_NEAR(one, 1, 4 * 3.0 / std::sqrt(double(N)));
-  EXPECT_NEAR(part, truth, 4 * std::sqrt(squares / N));
-  // The variance is lower as foretold: in proportion to the mean of f²/q², against that of f.
-  EXPECT_NEAR(truth / squares / guide.gain(), 1, 0.15);
-}
-
-TEST(EmissionGuide, NothingToLearnNoGuide) {
-  EXPECT_FALSE(EmissionGuide().active());
-  EXPECT_FALSE(EmissionGuide({}, 1000).active());
-  std::mt19937 random(1);
-  std::vector<EmissionGuide::TrainingSample> all;
-  for (int i = 0; i < 20000; ++i) all.push_back({randomNumbers(random), 1});
-  EXPECT_LT(EmissionGuide(all, 20000).gain(), 1.1);
-}
-
-TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
+TEST(GuidedEmission, VisibleRegionHoldsWhatIsNear) {
   VisibleRegion region;
   region.add({1, 2, 3}, 0.01f);
   region.add({-1e4f, 5, 0}, 7);
@@ -92,19 +38,6 @@ TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
   EXPECT_FALSE(region.contains({1.1f, 2, 3}));
   EXPECT_TRUE(region.contains({-1e4f + 6, 0, -6}));
   EXPECT_FALSE(region.contains({-1e4f + 60, 0, 0}));
-}
-
-TEST(EmissionGuide, LightsHaveTheirOwnDirections) {
-  // Each of 16 lights is useful in one of 16 directions, so that no one number alone tells anything.
-  std::mt19937 random(1);
-  std::vector<EmissionGuide::TrainingSample> found;
-  constexpr int TRIALS = 100000;
-  for (int i = 0; i < TRIALS; ++i) {
-    const EmissionGuide::Numbers n = randomNumbers(random);
-    if (int(n[0] * 16) == int(n[4] * 16)) found.push_back({n, 1});
-  }
-  EXPECT_LT(EmissionGuide(found, TRIALS).gain(), 1.1);
-  EXPECT_GT(EmissionGuide(found, TRIALS, 16).gain(), 4);
 }
 
 namespace {
@@ -138,7 +71,7 @@ Compared compareGuided(const Scene& scene, const std::string& parameters) {
 
 } // namespace
 
-TEST(EmissionGuide, ManyLampsInOtherRooms) {
+TEST(GuidedEmission, ManyLampsInOtherRooms) {
   const auto scene = sceneFrom(rooms(60));
   const Compared c = compareGuided(
       *scene,
@@ -148,7 +81,7 @@ TEST(EmissionGuide, ManyLampsInOtherRooms) {
   EXPECT_LT(c.variance[1], c.variance[0] / 10);
 }
 
-TEST(EmissionGuide, ASphericalLampShinesAtASmallBallOfGlass) {
+TEST(GuidedEmission, ASphericalLampShinesAtASmallBallOfGlass) {
   const auto scene = sceneFrom(view(16, "0 -1.5 .8  0 0 .1  0 0 1", 30) + R"(
     AttributeBegin
     AreaLightSource "diffuse" "rgb L" [600 600 600]
@@ -169,7 +102,7 @@ TEST(EmissionGuide, ASphericalLampShinesAtASmallBallOfGlass) {
 }
 
 /** Light on a small table has come from distant walls: a photon's start hardly tells whether it arrives. */
-TEST(EmissionGuide, SmallTableInALargeHall) {
+TEST(GuidedEmission, SmallTableInALargeHall) {
   std::string text = view(16, "0 -.3 2.2  0 0 .8  0 0 1", 40) + R"(
     Material "diffuse" "rgb reflectance" [.6 .6 .6]
     Shape "bilinearmesh" "point3 P" [-9 -7 0 9 -7 0 -9 7 0 9 7 0] Shape "bilinearmesh" "point3 P" [-9 -7 6 9 -7 6 -9 7 6 9 7 6]
@@ -192,7 +125,7 @@ TEST(EmissionGuide, SmallTableInALargeHall) {
   EXPECT_LT(4 * found.error, 0.1 * truth.mean());
 }
 
-TEST(EmissionGuide, ABallOfMilkInAWideHall) {
+TEST(GuidedEmission, ABallOfMilkInAWideHall) {
   // Of the photons of the lamp a few in a thousand come into the milk, and make stains there.
   constexpr size_t SIZE = 16, BLOCK = 4;
   const auto scene = sceneFrom(view(SIZE, "0 -2 .9  0 0 .3  0 0 1", 20) + R"(
@@ -226,7 +159,7 @@ TEST(EmissionGuide, ABallOfMilkInAWideHall) {
   EXPECT_LT(guided, plain / 3);
 }
 
-TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {
+TEST(GuidedEmission, WhereAllPhotonsCountNothingChanges) {
   const auto scene = sceneFrom(rooms(1));
   const auto picture = [&](const char* guided) {
     return renderScene(

@@ -1,0 +1,30 @@
+/** @file
+ * Exits: vertices where camera paths leave the scene, such as points on the panes of a window, and crossings
+ * of the last segments of such paths, such as points in a hole of a wall. Light of infinite lights enters
+ * the scene there.
+ */
+#pragma once
+
+#include <vector>
+
+#include "recurse/transport/integrator/integrator.h"
+
+namespace recurse {
+
+/** Vertex where a camera path has left the scene, or the crossing of its last segment with such paths. */
+struct CameraExit {
+  Vec3f position;
+  float weight;    ///< throughput of the path, at most 1
+  Vec3f direction; ///< unit; (0, 0, 0) towards a distant light
+  float along = 0; ///< distance from the last vertex [scene units]
+};
+
+/** Crossings of camera paths that leave the scene; their last vertices if too few cross; empty if too few
+ * paths leave. The number of paths follows the pixels of the film, so that the time remains small. */
+std::vector<CameraExit> exitCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
+
+/** Last vertices and crossings of camera paths that leave the scene, by scattering or by a shadow ray to a
+ * distant light. Empty without infinite lights, or if too few paths leave. */
+std::vector<CameraExit> exitsAndCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
+
+} // namespace recurse

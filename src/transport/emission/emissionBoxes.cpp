@@ -1,0 +1,136 @@
+/** @file
+ * Search for boxes by camera paths, and densities of rays through boxes.
+ */
+#include "transport/emission/emissionBoxes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "recurse/core/sampling/sampling.h"
+#include "transport/direct/cameraExits.h"
+#include "transport/direct/cameraPaths.h"
+
+namespace recurse {
+
+namespace {
+
+Float8 withLane(const Float8& a, size_t lane, float value) {
+  return select(Float8::lanes(1u << lane), Float8(value), a);
+}
+
+/** Vertices of camera paths of a few bounces, weighted by throughput (at most 1). */
+std::vector<WeightedPosition> cameraVertices(const Scene& scene, uint64_t seed, TransportCounts& counts) {
+  constexpr int ACROSS = 64, MAX_DEPTH = 3;
+  constexpr size_t MIN_POSITIONS = 64;
+  constexpr uint64_t STREAM = 0x41494d53ull;
+  using Positions = std::vector<WeightedPosition>;
+  const auto follow = [](Positions& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                         TransportCounts&) {
+    CameraVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      found.push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
+      if (!walker.scatter(path, vertex, sampler)) break;
+    }
+  };
+  Positions positions;
+  for (const Positions& row :
+       followCameraPaths(scene, ACROSS, MAX_DEPTH, hashCombine(seed, STREAM), counts, Positions(), follow))
+    positions.insert(positions.end(), row.begin(), row.end());
+  if (positions.size() < MIN_POSITIONS) positions.clear();
+  return positions;
+}
+
+} // namespace
+
+void BoxBlock::set(size_t lane, const Bounds3f& bounds) {
+  for (int i = 0; i < 3; ++i) {
+    const auto axis = static_cast<size_t>(i);
+    lower[axis] = withLane(lower[axis], lane, bounds.lower[i]);
+    upper[axis] = withLane(upper[axis], lane, bounds.upper[i]);
+    centers[axis] = withLane(centers[axis], lane, bounds.center()[i]);
+  }
+  radii2 = withLane(radii2, lane, lengthSquared(bounds.diagonal()) / 4);
+}
+
+Bounds3f BoxBlock::bounds(size_t lane) const {
+  const auto i = static_cast<int>(lane);
+  return {{lower[0][i], lower[1][i], lower[2][i]}, {upper[0][i], upper[1][i], upper[2][i]}};
+}
+
+Vec3f BoxBlock::center(size_t lane) const {
+  const auto i = static_cast<int>(lane);
+  return {centers[0][i], centers[1][i], centers[2][i]};
+}
+
+float BoxBlock::radius(size_t lane) const { return std::sqrt(radii2[static_cast<int>(lane)]); }
+
+BoxBlock::Line::Line(const Light& light, const LeRay& ray, float own)
+    : origin(ray.origin), direction(ray.direction), inverse(Vec3f(1) / ray.direction), own(own),
+      infinite(light.isInfinite()) {
+  LeRay back = ray;
+  back.direction = -ray.direction;
+  if (!infinite && ray.normal != Vec3f(0) && light.pdfLe(back).direction > 0) factor = 0.5f;
+}
+
+Float8 BoxBlock::acrossSilhouettes(const Line& line, uint32_t met) const {
+  Float8 from(-INFINITE), to(INFINITE), inside = Float8::lanes(0xff), silhouette(0);
+  for (size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    const size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    const Float8 p(line.origin[axis]);
+    silhouette += Float8(std::abs(line.direction[axis])) * (upper[j] - lower[j]) * (upper[k] - lower[k]);
+    if (line.direction[axis] == 0) {
+      inside = inside & lessEqual(lower[i], p) & lessEqual(p, upper[i]);
+      continue;
+    }
+    const Float8 inverse(line.inverse[axis]), a = (lower[i] - p) * inverse, b = (upper[i] - p) * inverse;
+    from = max(from, min(a, b));
+    to = min(to, max(a, b));
+  }
+  const uint32_t hit = met | bits(inside & lessEqual(from, to) & less(Float8(0), silhouette));
+  return hit == 0 ? Float8(0) : Float8(1) / silhouette & Float8::lanes(hit);
+}
+
+Float8 BoxBlock::inCones(const Line& line, uint32_t met) const {
+  std::array<Float8, 3> way;
+  Float8 distance2(0), apart2(0);
+  for (size_t i = 0; i < 3; ++i) {
+    way[i] = centers[i] - Float8(line.origin[static_cast<int>(i)]);
+    distance2 += way[i] * way[i];
+  }
+  const Float8 inverse2 = Float8(1) / distance2, sine2 = radii2 * inverse2, inverse = sqrt(inverse2);
+  for (size_t i = 0; i < 3; ++i) {
+    const Float8 apart = Float8(line.direction[static_cast<int>(i)]) - way[i] * inverse;
+    apart2 += apart * apart;
+  }
+  // 1 - cosine of the half-angle of the cone, without cancellation.
+  const Float8 opening = sine2 / (Float8(1) + sqrt(max(Float8(0), Float8(1) - sine2)));
+  const uint32_t hit = met | bits(lessEqual(apart2, Float8(2) * opening) & less(Float8(0), opening));
+  const Float8 density = Float8(line.factor * INV_PI / 2) / opening & Float8::lanes(hit);
+  return select(less(sine2, Float8(1)), density, Float8(line.own));
+}
+
+void EmissionBoxes::learn(const Scene& scene, uint64_t seed, TransportCounts& counts) {
+  constexpr int EXIT_LEVELS = 6, VERTEX_LEVELS = 4; // at most 2^LEVELS leaves
+  constexpr float MARGIN = 1e-3f;                   // relative to the scene's radius; a pane is flat
+  *this = {};
+  std::vector<WeightedPosition> vertices = cameraVertices(scene, seed, counts), exits;
+  if (vertices.empty()) return;
+  for (const CameraExit& exit : exitsAndCrossings(scene, seed, counts))
+    exits.push_back({exit.position, exit.weight});
+  const float margin = MARGIN * scene.bounds().radius;
+  const auto append = [&](const std::vector<NestedBox>& boxes) {
+    const size_t first = 8 * blocks.size();
+    blocks.resize(blocks.size() + (boxes.size() + 7) / 8);
+    chances.resize(8 * blocks.size(), 0.0f);
+    for (size_t i = 0; i < boxes.size(); ++i) {
+      blocks[(first + i) / 8].set((first + i) % 8, boxes[i].bounds);
+      chances[first + i] = boxes[i].chance;
+    }
+  };
+  append(nestedBoxes(std::move(exits), EXIT_LEVELS, margin));
+  exitBlocks = blocks.size();
+  append(nestedBoxes(std::move(vertices), VERTEX_LEVELS, margin));
+}
+
+} // namespace recurse
