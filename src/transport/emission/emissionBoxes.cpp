@@ -112,7 +112,7 @@ Float8 BoxBlock::inCones(const Line& line, uint32_t met) const {
 
 void EmissionBoxes::learn(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   constexpr int EXIT_LEVELS = 6, VERTEX_LEVELS = 4; // at most 2^LEVELS leaves
-  constexpr float MARGIN = 1e-3f;                   // relative to the scene's radius; a pane is flat
+  constexpr float MARGIN = 1e-5f;                   // relative to the scene's radius
   *this = {};
   std::vector<WeightedPosition> vertices = cameraVertices(scene, seed, counts), exits;
   if (vertices.empty()) return;

@@ -233,8 +233,18 @@ bool EmissionMixture::isFar(uint32_t light) const {
   middle.pick = middle.position.x = middle.position.y = middle.direction.x = middle.direction.y = 0.5f;
   const std::optional<LeSample> sample = table[light].sampleLe(middle);
   if (!sample) return false;
-  const BoxBlock& first = boxes.blocks[boxes.exitBlocks]; // its first box encloses all vertices
-  return Cone::toSphere(sample->origin, first.center(0), first.radius(0)).opening < FAR;
+  // A sphere around most of the vertices: a lamp that few camera paths hit is not among them.
+  Vec3f center(0);
+  float square2 = 0;
+  const auto forBoxes = [&](const auto& use) {
+    for (size_t i = 8 * boxes.exitBlocks; i < boxes.chances.size(); ++i)
+      if (boxes.chances[i] > 0) use(boxes.chances[i], boxes.blocks[i / 8], i % 8);
+  };
+  forBoxes([&](float chance, const BoxBlock& block, size_t lane) { center += chance * block.center(lane); });
+  forBoxes([&](float chance, const BoxBlock& block, size_t lane) {
+    square2 += chance * lengthSquared(block.center(lane) - center);
+  });
+  return Cone::toSphere(sample->origin, center, 2 * std::sqrt(square2)).opening < FAR;
 }
 
 } // namespace recurse

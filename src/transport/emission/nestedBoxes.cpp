@@ -20,14 +20,14 @@ void split(std::span<WeightedPosition> positions, int levels, float margin, std:
     bounds.add(p.position);
     weight += p.weight;
   }
+  const float more = GROWTH * glm::length(bounds.diagonal()) + margin; // a pane is flat
   if (levels == 0 || positions.size() < 2 * MIN_POSITIONS) {
-    bounds.lower -= margin;
-    bounds.upper += margin;
+    bounds.lower -= more;
+    bounds.upper += more;
     boxes.push_back({bounds, weight});
     return;
   }
   if (levels % 2 == 0) {
-    const Vec3f more = bounds.diagonal() * GROWTH + margin;
     boxes.push_back({{bounds.lower - more, bounds.upper + more}, INNER * weight});
   }
   const int axis = widestAxis(bounds.diagonal());
