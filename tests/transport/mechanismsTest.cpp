@@ -39,7 +39,7 @@ TEST(Mechanisms, ARoomWithGlassAndAMirrorHasTheSameLightWithoutThem) {
 }
 
 TEST(Mechanisms, ARoomLitThroughAHoleHasTheSameLightWithoutThem) {
-  expectSameLight(roomWithHole(12), {"portals"}, 16384, 2);
+  expectSameLight(roomWithHole(12), {"splitting"}, 16384, 2);
 }
 
 TEST(Mechanisms, OpeningsForShadowRaysAreNotLookedForWhereTheyAreLeftOut) {

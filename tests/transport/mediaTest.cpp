@@ -627,7 +627,7 @@ TEST(MediaPhotons, StartInWhatIsAroundTheScene) {
   EXPECT_EQ(mediumOutside(*closed, counts), 0);
   EXPECT_EQ(mediumOutside(*endless, counts), 1);
   const auto mean = [](const Scene& scene, const char* integrator) {
-    return double(meanOfMedium(renderScene(scene, integrator, "", SANITIZED ? 8 : 64)).g);
+    return double(meanOfMedium(renderScene(scene, integrator, "", SANITIZED ? 8 : 256)).g);
   };
   EXPECT_NEAR(mean(*closed, "photonmap") / mean(*closed, "path"), 1, SANITIZED ? 0.1 : 0.03);
   EXPECT_EQ(mean(*endless, "photonmap"), 0);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "recurse/core/math/cone.h"
 
@@ -129,19 +130,20 @@ void EmissionMixture::redirect(uint32_t light, LeSample& sample, float pick, con
       }
     }
   }
-  const LePdf own = emitter.pdfLe(ray);
-  const float mixed = density(light, ray, ownDensity(emitter, own), met);
-  if (emitter.isInfinite()) {
+  if (met < 0 || emitter.isInfinite()) {
+    // The density of the sample itself: rounding may deny that the light emits in its direction.
+    float& replaced = emitter.isInfinite() ? sample.pdfPosition : sample.pdfDirection;
+    const float mixed = density(light, ray, replaced, met);
     sample.origin = ray.origin;
-    sample.flux *= sample.pdfPosition / mixed;
-    sample.pdfPosition = mixed;
+    sample.flux *= replaced / mixed;
+    replaced = mixed;
     return;
   }
   const bool behind = sample.normal != Vec3f(0) && glm::dot(ray.direction, sample.normal) <= 0;
   const float cosine = sample.normal == Vec3f(0) ? 1 : absDot(ray.direction, sample.normal);
   sample.radiance = behind ? BLACK : emitter.radianceTowards(sample, ray.direction);
   sample.direction = ray.direction;
-  sample.pdfDirection = mixed;
+  sample.pdfDirection = density(light, ray, emitter.pdfLe(ray).direction, met);
   sample.flux = sample.radiance * (cosine / (sample.pdfPosition * sample.pdfDirection));
 }
 
@@ -226,25 +228,33 @@ double EmissionMixture::boxPart() const {
   return part;
 }
 
+template <class Value> float EmissionMixture::medianOf(const Value& value) const {
+  std::vector<std::pair<float, float>> values; // with probabilities
+  float all = 0, sum = 0;
+  for (size_t i = 8 * boxes.exitBlocks; i < boxes.chances.size(); ++i) {
+    if (!(boxes.chances[i] > 0)) continue;
+    values.emplace_back(value(boxes.blocks[i / 8].center(i % 8)), boxes.chances[i]);
+    all += boxes.chances[i];
+  }
+  std::sort(values.begin(), values.end());
+  for (const auto& [median, chance] : values)
+    if ((sum += chance) >= all / 2) return median;
+  return 0;
+}
+
 bool EmissionMixture::isFar(uint32_t light) const {
   constexpr float FAR = 0.25f; // 1 - cosine of the half-angle of all boxes: an eighth of all directions
   if (!active() || table[light].isInfinite()) return false;
-  LeRandom middle;
-  middle.pick = middle.position.x = middle.position.y = middle.direction.x = middle.direction.y = 0.5f;
-  const std::optional<LeSample> sample = table[light].sampleLe(middle);
+  LeRandom any;
+  any.pick = 0.3f;
+  any.position = any.direction = Vec2f(0.3f, 0.6f);
+  const std::optional<LeSample> sample = table[light].sampleLe(any);
   if (!sample) return false;
   // A sphere around most of the vertices: a lamp that few camera paths hit is not among them.
-  Vec3f center(0);
-  float square2 = 0;
-  const auto forBoxes = [&](const auto& use) {
-    for (size_t i = 8 * boxes.exitBlocks; i < boxes.chances.size(); ++i)
-      if (boxes.chances[i] > 0) use(boxes.chances[i], boxes.blocks[i / 8], i % 8);
-  };
-  forBoxes([&](float chance, const BoxBlock& block, size_t lane) { center += chance * block.center(lane); });
-  forBoxes([&](float chance, const BoxBlock& block, size_t lane) {
-    square2 += chance * lengthSquared(block.center(lane) - center);
-  });
-  return Cone::toSphere(sample->origin, center, 2 * std::sqrt(square2)).opening < FAR;
+  Vec3f center;
+  for (int axis = 0; axis < 3; ++axis) center[axis] = medianOf([&](const Vec3f& p) { return p[axis]; });
+  const float typical = medianOf([&](const Vec3f& p) { return glm::distance(p, center); });
+  return Cone::toSphere(sample->origin, center, 2 * typical).opening < FAR;
 }
 
 } // namespace recurse

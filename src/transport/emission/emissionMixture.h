@@ -69,6 +69,8 @@ class EmissionMixture {
     std::vector<Float8> lanes;     ///< `chances` in blocks
     std::vector<float> firstGuess; ///< the same before anything is learned
   };
+  /** Median of a value of the centres of boxes around camera vertices, by probability. */
+  template <class Value> float medianOf(const Value& value) const;
   void gather(const Scene& scene);
   void buildTable();
   const Group& groupOf(uint32_t light) const { return groups[groupOfLight[light]]; }
