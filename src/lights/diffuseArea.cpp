@@ -95,13 +95,6 @@ class DiffuseArea final : public AreaLight {
     return twoSided || cosine > 0 ? sample.radiance * (lobe.at(std::abs(cosine)) / lobe.at(before)) : BLACK;
   }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    // On a sphere the direction is sampled first, then a point on the side that it leaves from. The densities
-    // are equal, but an emission guide can then aim photons by the direction alone.
-    if (!twoSided) {
-      const Vec3f direction = uniformSphere(sample.direction), local = lobe.sample(sample.position);
-      if (const auto s = shape().pointWithNormal(Frame(direction).toWorld(local)))
-        return leaving(*s, direction, s->point.geometricNormal, local.z, 1);
-    }
     const ShapeSample s = shape().sampleArea(sample.pick, sample.position);
     if (!(s.pdf > 0)) return {};
     Vec3f normal = s.point.geometricNormal;

@@ -90,8 +90,8 @@ std::vector<ParameterSpec> transportParameters() {
                       "estimator of direct light: shadow rays, or photons as for all other light")
           .oneOf({"shadowrays", "photons"}),
       booleanParameter("guided", "true",
-                       "guide photons to surfaces that the camera sees, learned from trial photons; "
-                       "unbiased, and used only where it reduces the variance"),
+                       "emit photons by a learned mixture of the lights' own sampling and of boxes around "
+                       "surfaces and openings that camera paths meet; unbiased"),
       integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
       realParameter("weightlimit", "0.03",
                     "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
@@ -117,9 +117,8 @@ std::vector<ParameterSpec> transportParameters() {
           "classes and surfaces that are not diffuse and flat always use density estimates"),
       stringParameter("without", "nothing",
                       "for studies of one mechanism, switch it off: lights chosen by position, openings for "
-                      "shadow rays, guided emission, openings for emission, "
-                      "aiming of far lamps, splitting of strong photons, "
-                      "radii chosen by error, MIS weights of photons and rays")
+                      "shadow rays, splitting of strong photons, radii chosen by error, MIS weights of "
+                      "photons and rays")
           .oneOf(mechanismNames())};
 }
 

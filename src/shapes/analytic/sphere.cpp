@@ -118,15 +118,6 @@ class Sphere final : public Shape {
                               (sweep.solidAngle() * map.determinant));
   }
 
-  std::optional<ShapeSample> pointWithNormal(const Vec3f& normal) const override {
-    std::optional<ShapeSample> s;
-    if (!(map.uniformScale > 0 && sweep.whole())) return s;
-    s.emplace();
-    s->point = pointAt(glm::normalize(map.inverse * (Vec3d(normal) * (map.side * map.uniformScale))));
-    s->pdf = pdfArea(0, s->point);
-    return s;
-  }
-
   std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);

@@ -149,9 +149,6 @@ class Shape {
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
   /** Density of sampleArea() at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
-  /** Inverse Gauss map of a sphere, uniform over directions: the point with this geometric normal [unit]; pdf
-   * by area, see sampleArea(). Empty for all shapes but whole spheres. */
-  virtual std::optional<ShapeSample> pointWithNormal(const Vec3f& /*normal*/) const { return {}; }
   /** Samples a point as seen from `from`; pdf by solid angle. Empty where sampling yields no point, or one
    * that is seen edge-on. The point may face away or be hidden. */
   virtual std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const;
