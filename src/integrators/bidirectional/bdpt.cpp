@@ -26,15 +26,20 @@ void registerBdpt(PlugIns& plugIns) {
                        integerParameter("lightpaths", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9),
+                       booleanParameter(
+                           "guided", "false",
+                           "path guiding: learn the directions of incident light and the starts of "
+                           "light paths; helps where light enters through small openings"),
                        ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
                        ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
                                         "only the final picture is written"),
                        ignoredParameter(ParameterType::BOOLEAN, "visualizeweights",
                                         "only the final picture is written")},
-        .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8"}},
+        .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8 \"bool guided\" true"}},
        [](const Parameters& p, const NoContext&) {
          BidirectionalSettings settings;
          settings.maxDepth = p.integer("maxdepth");
+         settings.guided = p.boolean("guided");
          if (p.hasValue("lightpaths")) settings.lightPaths = static_cast<uint64_t>(p.integer("lightpaths"));
          return std::make_unique<Bdpt>(settings);
        }});

@@ -5,6 +5,7 @@
 #include "integrators/bidirectional/bidirectional.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <string_view>
 
@@ -29,6 +30,9 @@ constexpr uint64_t BATCH = 4096;
 constexpr double MERGE_PIXELS = 1.5;
 
 } // namespace
+
+Bidirectional::Bidirectional(const BidirectionalSettings& settings)
+    : settings(settings), training({settings.maxDepth, 1, false}) {}
 
 void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
   if (settings.shadowRays) lights.learn(scene);
@@ -75,12 +79,14 @@ class Bidirectional::LightWalk {
     if (!owner.keepsLightPaths()) out.clear();
     StoredPath& stored = out.paths.emplace_back();
     stored.first = out.vertices.size();
-    const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
+    const std::optional<LightStart> start =
+        startLightSubpath(scene, classes, time, sampler, counts, &owner.training.photonStarts());
     if (!start) return;
     stored.end = start->end;
     LightSubpath path = start->path;
     record.start(path);
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
+      owner.follow(vertex);
       store(stored, path.optical.length);
       record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
       if (splatter && !owner.settings.merges) sumTechniques(stored);
@@ -179,6 +185,13 @@ class Bidirectional::LightWalk {
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
   ForwardStatistics statistics;
+  if (settings.guided) {
+    const ProcessorTimer timer(statistics.learningSeconds);
+    Pass stage = pass;
+    stage.index = static_cast<uint32_t>(std::bit_width(pass.index)); // of Passes::doubling()
+    training.prepare(scene, lights, stage, control, statistics.counts);
+    statistics.guide = training.statistics();
+  }
   const auto start = std::chrono::steady_clock::now();
   radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
   subpaths.clear();

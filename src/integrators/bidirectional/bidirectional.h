@@ -5,6 +5,7 @@
 #pragma once
 
 #include "integrators/bidirectional/lightSubpaths.h"
+#include "transport/learning/guideTraining.h"
 #include "transport/photonmap/photonMap.h"
 
 namespace recurse {
@@ -17,12 +18,13 @@ struct BidirectionalSettings {
   float radius = 0;       ///< merge radius in the first pass [scene units]; 0: 1.5 pixels
   double alpha = 2.0 / 3; ///< alpha of the progressive radius reduction, see radiusScale()
   bool correlated = true; ///< weights account for the correlation of merged photons
+  bool guided = false;    ///< camera paths follow a learned guide, light paths start by a learned mixture
 };
 
 /** Bidirectional integrator. Each pass has its own light paths and serves one sample of each pixel. */
 class Bidirectional : public Integrator {
  public:
-  explicit Bidirectional(const BidirectionalSettings& settings) : settings(settings) {}
+  explicit Bidirectional(const BidirectionalSettings& settings);
 
   Passes passes(int) const override { return Passes::perSample(); }
   bool splats() const override { return settings.splats; }
@@ -35,6 +37,10 @@ class Bidirectional : public Integrator {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
   std::string photonName() const override { return "vertices of light paths"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
+  bool learnsDirections() const override { return settings.guided; }
+  LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const override {
+    return training.directionsAt(point, wi);
+  }
   bool supportsFibres() const override { return false; }
   bool supportsTransient(const Scene&) const override { return true; }
   std::vector<EstimatorDomain> domains() const override;
@@ -47,6 +53,11 @@ class Bidirectional : public Integrator {
     uint32_t path, number; ///< number 1 is the vertex next to the light
   };
 
+  /** Mixes the guide into the densities of camera paths at a vertex. */
+  template <class State> void follow(PathVertex<State>& vertex) const {
+    if (const GuideField* guide = training.guide())
+      vertex.scattering->follow(guideAt(*guide, vertex.point(), vertex.wi));
+  }
   void buildPhotons();
   bool keepsLightPaths() const { return settings.connections || settings.merges; }
   /** Merge radius of a path whose first non-delta vertex has this pixel footprint [scene units]. */
@@ -63,6 +74,7 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
+  GuideTraining training;
   double lightPaths = 0; ///< number in each pass
   bool splatted = false; ///< light paths are connected to the camera
   // State of the current pass:

@@ -34,6 +34,7 @@ class Bidirectional::CameraWalk {
 
   void run() {
     while (walker.next(path, vertex, sampler, [&](const Hit* hit) { addEmission(hit); })) {
+      owner.follow(vertex);
       arrive();
       if (vertex.isConnectable()) {
         if (owner.settings.shadowRays) addShadowRay();
@@ -68,8 +69,8 @@ class Bidirectional::CameraWalk {
   }
 
   void recordStep(const Scatter& s) {
-    recordedStep = out.recorder->addStep(recurse::recordedStep(
-        recordedVertex, s, path.throughput, vertex.scattering->pdf(s.direction, vertex.wi)));
+    recordedStep = out.recorder->addStep(
+        recurse::recordedStep(recordedVertex, s, path.throughput, vertex.pdfReverse(s.direction)));
   }
 
   /** Records a light path, unless this walk has done so. Returns the index of its start. */
@@ -137,7 +138,7 @@ class Bidirectional::CameraWalk {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
     if (vertices.size() > 1) {
-      const LightEnd end = lightEnd(scene, index, ray, last);
+      const LightEnd end = lightEnd(scene, owner.training.photonStarts(), index, ray, last);
       copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
@@ -178,7 +179,7 @@ class Bidirectional::CameraWalk {
                         state = stepThroughPane(classes, state, pane);
                       });
     if (isBlack(free.value)) return;
-    double next = vertex.pdfDirection(vertex.wi, direction);
+    double next = vertex.pdfDirection(direction);
     copyVertices();
     x[x.size() - 2].fromLight = vertex.pdfPrevious(direction);
     ShadowRayStart start{&vertex.point(), vertex.wi, panes.size(), panes.data(), &vertex.point()};
@@ -188,7 +189,8 @@ class Bidirectional::CameraWalk {
       next = 1;
       start.lastPane = &pane;
     }
-    const LightEnd end = lightEnd(scene, choice.chosen.index, sample->emitted(), *start.lastPane);
+    const LightEnd end = lightEnd(scene, owner.training.photonStarts(), choice.chosen.index,
+                                  sample->emitted(), *start.lastPane);
     x.back().fromLight = end.pdfNext;
     x.push_back({next * directionToEnd(end, start.lastPane->position), end.pdf});
     const WeightedPath full = weighted(end, start);
@@ -196,7 +198,7 @@ class Bidirectional::CameraWalk {
     const auto weight = static_cast<float>(connectionWeight(full, full.edges() - 1));
     if (out.recorder)
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
-                        vertex.scattering->pdf(vertex.wi, direction), weight);
+                        static_cast<float>(vertex.pdfDirection(direction)), weight);
     out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight,
             lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), *sample));
   }
@@ -217,7 +219,8 @@ class Bidirectional::CameraWalk {
     arena.reset();
     const Bsdf* bsdf = y.material->bsdfAt(y.point, arena);
     if (!bsdf) return;
-    const ScatteringPoint there(*bsdf, y.point);
+    ScatteringPoint there(*bsdf, y.point);
+    if (const GuideField* guide = owner.training.guide()) there.follow(guideAt(*guide, y.point, y.wi));
     const Rgb radiance = here * y.throughput * there.evaluateFlux(y.wi, -direction) / distance2;
     if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi,
                                       visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
@@ -228,10 +231,10 @@ class Bidirectional::CameraWalk {
     const bool summed = !owner.settings.merges && t > 1 && !owner.subpaths.startsAtPane(from);
     owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
     x[s - 1].fromLight = vertex.pdfPrevious(direction);
-    x[s].fromLight =
-        double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
-    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, direction) *
-                          areaPerSolidAngle(vertex.point().position, y.point, direction);
+    x[s].fromLight = double(there.pdf(y.wi, -direction, ALL_LOBES, Transport::FLUX)) *
+                     areaPerSolidAngle(y.point.position, vertex.point(), direction);
+    x[s + 1].fromCamera =
+        vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
     x[s + 1].delta = false;
     x[s + 2].fromCamera = double(there.pdf(-direction, y.wi)) * y.toPrevious;
     WeightedPath full = weighted();
@@ -291,7 +294,7 @@ class Bidirectional::CameraWalk {
     owner.subpaths.appendDensities(from, t - 1, t, x);
     x[s - 1].fromLight = vertex.pdfPrevious(y.wi);
     x[s].fromLight = y.fromLight;
-    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, y.wi) * y.toPrevious;
+    x[s + 1].fromCamera = vertex.pdfDirection(y.wi) * y.toPrevious;
     const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, vertex.wi));
     const double weight = mergeWeight(full, s);
     if (out.recorder) recordJoin(PathTechnique::MERGE, from, t, weight);

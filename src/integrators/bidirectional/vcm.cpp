@@ -34,15 +34,20 @@ void registerVcm(PlugIns& plugIns) {
                                      "reduction of the radius: that of pass i is about i^((alpha-1)/2) times "
                                      "the first; between 0 (fastest) and 1 (constant)")
                            .range(0.01, 1),
+                       booleanParameter(
+                           "guided", "false",
+                           "path guiding: learn the directions of incident light and the starts of "
+                           "light paths; helps where light enters through small openings"),
                        booleanParameter("correlated", "true",
                                         "MIS weights include the correlation of merges that share photons; "
                                         "false: the weights of Georgiev et al. 2012")},
         .examples = {"", "\"integer photons\" 4000 \"integer maxdepth\" 8 \"float radius\" .1",
-                     "\"bool correlated\" false \"float alpha\" .5"}},
+                     "\"bool correlated\" false \"float alpha\" .5 \"bool guided\" true"}},
        [](const Parameters& p, const NoContext&) {
          BidirectionalSettings settings;
          settings.merges = true;
          settings.maxDepth = p.integer("maxdepth");
+         settings.guided = p.boolean("guided");
          settings.alpha = p.real("alpha");
          settings.correlated = p.boolean("correlated");
          if (p.hasValue("radius")) settings.radius = static_cast<float>(p.real("radius"));

@@ -118,8 +118,7 @@ class PathTracing final : public Integrator {
 
   bool learnsDirections() const override { return guided; }
   LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const override {
-    const GuideCell* cell = training.learned().cellAt(point.position, point.normalTowards(wi));
-    return cell ? cell->learned() : LearnedDirections();
+    return training.directionsAt(point, wi);
   }
 
   std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }
@@ -366,8 +365,8 @@ class PathTracing final : public Integrator {
                                     v.hit->point);
         }
         if (PathRecorder* recorder = w.camera->out->recorder)
-          w.recordedStep = recorder->addStep(
-              recordedStep(v.recorded, s, w.throughput, v.scattering->pdf(s.direction, v.wi)));
+          w.recordedStep = recorder->addStep(recordedStep(
+              v.recorded, s, w.throughput, v.scattering->pdf(s.direction, v.wi, ALL_LOBES, Transport::FLUX)));
         active[alive] = &w;
         makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
       }

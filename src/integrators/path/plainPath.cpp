@@ -22,8 +22,8 @@ int recordVertex(PathRecorder& recorder, int step, const CameraVertex& vertex) {
 
 int recordStep(PathRecorder& recorder, int recorded, const CameraVertex& vertex, const Scatter& s,
                const Rgb& throughput) {
-  RecordedStep step = recordedStep(recorded, s, throughput,
-                                   vertex.medium ? s.pdf : vertex.scattering->pdf(s.direction, vertex.wi));
+  RecordedStep step =
+      recordedStep(recorded, s, throughput, vertex.medium ? s.pdf : vertex.pdfReverse(s.direction));
   if (vertex.medium) step.event = PathEvent::V;
   return recorder.addStep(step);
 }

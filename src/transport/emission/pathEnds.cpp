@@ -16,12 +16,15 @@ LightGeometry LightEnd::geometry() const {
   return isInfinite() ? LightGeometry::INFINITE : LightGeometry::SURFACE;
 }
 
-LightEnd lightEnd(const Scene& scene, uint32_t index, const LeRay& ray, const SurfacePoint& next) {
-  LightEnd end{&scene.lights()[index], index, ray};
-  const LePdf p = end.light->pdfLe(ray);
+LightEnd lightEnd(const Scene& scene, const EmissionMixture& mixture, uint32_t index, const LeRay& ray,
+                  const SurfacePoint& next) {
+  const bool isMixed = mixture.active();
+  const LightTable& lights = isMixed ? mixture.lights() : scene.lights();
+  LightEnd end{&lights[index], index, ray};
+  const LePdf p = isMixed ? mixture.pdfLe(index, ray) : end.light->pdfLe(ray);
   const double position = p.deltaPosition ? 1 : double(p.position);
   const double direction = p.deltaDirection ? 1 : double(p.direction);
-  const double pick = double(scene.lights().probability(index));
+  const double pick = double(lights.probability(index));
   if (end.isInfinite()) {
     end.pdf = pick * direction;
     end.pdfNext = position * double(absDot(ray.direction, next.geometricNormal));

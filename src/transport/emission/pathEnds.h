@@ -6,6 +6,7 @@
 
 #include "recurse/transport/integrator/integrator.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/emission/emissionMixture.h"
 #include "transport/paths/pathVertex.h"
 #include "transport/weights/bidirectionalWeights.h"
 
@@ -25,8 +26,10 @@ struct LightEnd {
   LightGeometry geometry() const;
 };
 
-/** The end of a path that reaches `next` from the light along the ray. */
-LightEnd lightEnd(const Scene& scene, uint32_t index, const LeRay& ray, const SurfacePoint& next);
+/** The end of a path that reaches `next` from the light along the ray. `mixture`: starts of the light paths;
+ * those of the lights' own sampling if it is not active. */
+LightEnd lightEnd(const Scene& scene, const EmissionMixture& mixture, uint32_t index, const LeRay& ray,
+                  const SurfacePoint& next);
 
 /** Factor from a density of directions at `from` to the density of the end: 1 unless it is an area light. */
 double directionToEnd(const LightEnd& end, const Vec3f& from);

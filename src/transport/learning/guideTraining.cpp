@@ -127,6 +127,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     stage = -1;
     records.clear();
     field = {};
+    emission = {};
   }
   const PixelBounds film = scene.film().whole();
   const float smallest =

@@ -33,8 +33,13 @@ class GuideTraining {
 
   /** Current guide; null: BSDF sampling everywhere. */
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
-  /** Everything that has been learned; its cells may be off. */
-  const GuideField& learned() const { return field; }
+  /** What has been learned at a surface point on the side of unit `wi`; its cell may be off. */
+  LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const {
+    const GuideCell* cell = field.cellAt(point.position, point.normalTowards(wi));
+    return cell ? cell->learned() : LearnedDirections();
+  }
+  /** Starts of photons, not active before the first stage. */
+  const EmissionMixture& photonStarts() const { return emission; }
   /** Empty before the first stage. */
   std::optional<GuideStatistics> statistics() const {
     return stage < 0 ? std::optional<GuideStatistics>() : field.statistics();
@@ -51,7 +56,7 @@ class GuideTraining {
   GuideField field;
 };
 
-/** Guide cell at a surface point that is seen from unit `wi`; null: BSDF sampling only. */
+/** Guide cell at a surface point on the side of unit `wi`; null: BSDF sampling only. */
 inline const GuideCell* guideAt(const GuideField& guide, const SurfacePoint& point, const Vec3f& wi) {
   return guide.find(point.position, point.normalTowards(wi));
 }

@@ -22,8 +22,12 @@ namespace recurse {
 
 /** Transport quantity of a walk: radiance from the camera, flux from a light. */
 template <class State> struct WalkSide;
-template <> struct WalkSide<CameraState> { static constexpr Transport TRANSPORT = Transport::RADIANCE; };
-template <> struct WalkSide<LightState> { static constexpr Transport TRANSPORT = Transport::FLUX; };
+template <> struct WalkSide<CameraState> {
+  static constexpr Transport TRANSPORT = Transport::RADIANCE, REVERSE = Transport::FLUX;
+};
+template <> struct WalkSide<LightState> {
+  static constexpr Transport TRANSPORT = Transport::FLUX, REVERSE = Transport::RADIANCE;
+};
 
 /** Subpath between two vertices: it has left a vertex, and its ray is about to find the next one. */
 template <class State> struct Subpath {
@@ -72,11 +76,18 @@ template <class State> struct PathVertex {
   bool isConnectable() const {
     return medium ? allowed != NO_LOBE : (scattering->lobes() & allowed & NON_DELTA_LOBES) != 0;
   }
-  /** Density with which a walk that comes from unit `from` continues towards unit `to` by a non-delta lobe,
-   * with all lobes allowed [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
-  double pdfDirection(const Vec3f& from, const Vec3f& to) const { return double(scattering->pdf(from, to)); }
-  /** Density with which a walk that arrives from unit `wo` samples the previous vertex. */
-  double pdfPrevious(const Vec3f& wo) const { return pdfDirection(wo, wi) * toPrevious; }
+  /** Density with which the walk continues towards unit `wo` by a non-delta lobe, with all lobes allowed
+   * [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
+  double pdfDirection(const Vec3f& wo) const {
+    return double(scattering->pdf(wi, wo, ALL_LOBES, WalkSide<State>::TRANSPORT));
+  }
+  /** Density with which a walk from the other end that arrives from unit `wo` continues towards the previous
+   * vertex [1/sr]. */
+  double pdfReverse(const Vec3f& wo) const {
+    return double(scattering->pdf(wo, wi, ALL_LOBES, WalkSide<State>::REVERSE));
+  }
+  /** The same as a density of the previous vertex. */
+  double pdfPrevious(const Vec3f& wo) const { return pdfReverse(wo) * toPrevious; }
 };
 
 using CameraVertex = PathVertex<CameraState>;

@@ -240,7 +240,7 @@ template <class State> class Walker {
     path.delta = s.specular();
     path.throughput *= dispersedColour(vertex.point(), s, path.wavelength);
     const bool all = (vertex.scattering->lobes() & ~vertex.allowed & ALL_LOBES) == 0;
-    path.pdf = path.delta ? 1 : all ? double(s.pdf) : vertex.pdfDirection(vertex.wi, s.direction);
+    path.pdf = path.delta ? 1 : all ? double(s.pdf) : vertex.pdfDirection(s.direction);
     path.parallel = false;
     path.from = vertex.hit.point.position;
     path.cosine = absDot(s.direction, vertex.hit.point.geometricNormal);

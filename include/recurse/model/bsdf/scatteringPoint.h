@@ -91,17 +91,17 @@ class ScatteringPoint {
     return cosI > 0 ? bsdf.eta() : 1 / bsdf.eta();
   }
 
-  /** Density of wo in scatter() of radiance [1/sr]; `allowed` includes the non-delta lobes. */
-  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
-    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);
+  /** Density of wo in scatter() [1/sr]; `allowed` includes the non-delta lobes. */
+  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES,
+            Transport transport = Transport::RADIANCE) const {
+    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo, transport);
     const Vec3f local = frame.toLocal(wi);
-    return pdfNonDelta(wi, wo) * nonDeltaProbability(local);
+    return pdfNonDelta(wi, wo, transport) * nonDeltaProbability(local);
   }
-  /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]; with a guide, of
-   * radiance only. */
-  float pdfNonDelta(const Vec3f& wi, const Vec3f& wo) const {
+  /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]. */
+  float pdfNonDelta(const Vec3f& wi, const Vec3f& wo, Transport transport = Transport::RADIANCE) const {
     const float byBsdf = pdfBsdf(wi, wo);
-    if (!guide) return byBsdf;
+    if (!guide || transport == Transport::FLUX) return byBsdf;
     const float a = guide->bsdfProbability();
     return a * byBsdf + (1 - a) * guide->pdf(wo);
   }
