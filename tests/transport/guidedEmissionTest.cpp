@@ -45,17 +45,20 @@ namespace {
 /** The mean of the picture and the mean variance of its pixels over runs, without a guide and with one. */
 struct Compared {
   double mean[2] = {}, variance[2] = {};
+  double samples = 0; ///< number of pixels of all runs
 };
-Compared compareGuided(const Scene& scene, const std::string& parameters) {
+Compared compareGuided(const Scene& scene, const std::string& parameters,
+                       const char* integrator = "photonmap") {
   const int runs = SANITIZED ? 3 : 6;
   Compared result;
   for (const size_t guided : {0, 1}) {
     std::vector<Rendered> pictures;
     for (int i = 0; i < runs; ++i)
       pictures.push_back(renderScene(
-          scene, "photonmap", parameters + (guided ? " \"bool guided\" true" : " \"bool guided\" false"), 2,
+          scene, integrator, parameters + (guided ? " \"bool guided\" true" : " \"bool guided\" false"), 2,
           uint64_t(i)));
     for (const Rendered& p : pictures) result.mean[guided] += p.mean() / runs;
+    result.samples = double(pictures[0].pixels()) * runs;
     for (size_t pixel = 0; pixel < pictures[0].pixels(); ++pixel) {
       double sum = 0, squares = 0;
       for (const Rendered& p : pictures) {
@@ -79,6 +82,16 @@ TEST(GuidedEmission, ManyLampsInOtherRooms) {
   // Photons of which one in sixty counts: the same picture, at least ten times nearer to it.
   EXPECT_NEAR(c.mean[1] / c.mean[0], 1, 0.03);
   EXPECT_LT(c.variance[1], c.variance[0] / 10);
+}
+
+TEST(GuidedEmission, BidirectionalPathsFromLampsInOtherRooms) {
+  const auto scene = sceneFrom(rooms(60));
+  for (const char* integrator : {"bdpt", "vcm"}) {
+    const Compared c = compareGuided(*scene, "\"integer maxdepth\" 8", integrator);
+    EXPECT_NEAR(c.mean[1], c.mean[0], 5 * std::sqrt((c.variance[0] + c.variance[1]) / c.samples))
+        << integrator;
+    EXPECT_LT(c.variance[1], c.variance[0] / 2) << integrator;
+  }
 }
 
 TEST(GuidedEmission, ASphericalLampShinesAtASmallBallOfGlass) {

@@ -9,11 +9,17 @@
 using namespace recurse;
 using namespace recurse::testing;
 
+namespace {
+
+constexpr const char* GUIDED = "\"bool guided\" true";
+
+} // namespace
+
 TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   const auto scene = sceneFrom(slitRoom());
   const PathClasses classes;
   const int spp = samples(256);
-  const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", "\"bool guided\" true");
+  const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", GUIDED);
   const Rendered a = renderScene(*scene, *plain, classes, spp, 1),
                  b = renderScene(*scene, *guided, classes, spp, 2);
   EXPECT_EQ(b.unsound(), "");
@@ -28,7 +34,7 @@ TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
   const double factor = holeFormFactor(HOLE), radiance = 0.5 * factor * HOLE_RADIANCE;
   const auto scene = sceneFrom(floorBelowHole(HOLE, 16));
   const PathClasses classes;
-  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  const auto guided = integratorFrom("path", GUIDED);
   // Relative variance of a sample, from the squared error of pixels.
   const auto variance = [&](int spp) {
     const Rendered out = renderScene(*scene, *guided, classes, spp, 4);
@@ -45,7 +51,7 @@ TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
 TEST(GuidedPath, StatisticsAreOfTheLatestPass) {
   const auto scene = sceneFrom(slitRoom());
   const PathClasses classes;
-  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  const auto guided = integratorFrom("path", GUIDED);
   const auto of = [&](int spp) { return renderScene(*scene, *guided, classes, spp, 1).statistics.guide; };
   EXPECT_FALSE(of(1)) << "the first sample has no guide";
   const auto early = of(2), late = of(16);
@@ -94,11 +100,14 @@ TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {
 TEST(GuidedPath, ASecondRenderByTheSameIntegratorForgetsTheFirst) {
   const auto scene = sceneFrom(slitRoom());
   const PathClasses classes;
-  const auto guided = integratorFrom("path", "\"bool guided\" true");
-  const Rendered first = renderScene(*scene, *guided, classes, 16, 1),
-                 second = renderScene(*scene, *guided, classes, 16, 1);
-  ASSERT_EQ(first.pixels(), second.pixels());
-  for (size_t i = 0; i < first.pixels(); ++i) EXPECT_EQ(first.luminanceAt(i), second.luminanceAt(i)) << i;
+  for (const char* name : {"path", "bdpt"}) {
+    const auto guided = integratorFrom(name, GUIDED);
+    const Rendered first = renderScene(*scene, *guided, classes, 16, 1),
+                   second = renderScene(*scene, *guided, classes, 16, 1);
+    ASSERT_EQ(first.pixels(), second.pixels());
+    for (size_t i = 0; i < first.pixels(); ++i)
+      EXPECT_EQ(first.luminanceAt(i), second.luminanceAt(i)) << name << " " << i;
+  }
 }
 
 TEST(GuidedPath, InAFurnaceEveryPixelIsTheRadianceOfEverything) {
@@ -109,7 +118,9 @@ Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "sphere" "float radius" 1
 )");
   const PathClasses classes;
-  const auto guided = integratorFrom("path", "\"bool guided\" true");
-  const Rendered out = renderScene(*scene, *guided, classes, samples(256), 3);
-  EXPECT_NEAR(out.mean(), 2, 4 * out.standardError());
+  for (const char* name : {"path", "bdpt"}) {
+    const auto guided = integratorFrom(name, GUIDED);
+    const Rendered out = renderScene(*scene, *guided, classes, samples(256), 3);
+    EXPECT_NEAR(out.mean(), 2, 4 * out.standardError()) << name;
+  }
 }

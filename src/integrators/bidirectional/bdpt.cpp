@@ -26,10 +26,9 @@ void registerBdpt(PlugIns& plugIns) {
                        integerParameter("lightpaths", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9),
-                       booleanParameter(
-                           "guided", "false",
-                           "path guiding: learn the directions of incident light and the starts of "
-                           "light paths; helps where light enters through small openings"),
+                       booleanParameter("guided", "false",
+                                        "learn which starts of light paths reach what the camera sees; helps "
+                                        "where light enters through small openings or from a far lamp"),
                        ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
                        ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
                                         "only the final picture is written"),

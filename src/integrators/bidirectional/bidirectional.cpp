@@ -5,7 +5,6 @@
 #include "integrators/bidirectional/bidirectional.h"
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <string_view>
 
@@ -16,6 +15,7 @@
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/directLight.h"
 #include "transport/emission/emissionSampler.h"
+#include "transport/forward/photonGuidance.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
@@ -30,9 +30,6 @@ constexpr uint64_t BATCH = 4096;
 constexpr double MERGE_PIXELS = 1.5;
 
 } // namespace
-
-Bidirectional::Bidirectional(const BidirectionalSettings& settings)
-    : settings(settings), training({settings.maxDepth, 1, false}) {}
 
 void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
   if (settings.shadowRays) lights.learn(scene);
@@ -80,13 +77,12 @@ class Bidirectional::LightWalk {
     StoredPath& stored = out.paths.emplace_back();
     stored.first = out.vertices.size();
     const std::optional<LightStart> start =
-        startLightSubpath(scene, classes, time, sampler, counts, &owner.training.photonStarts());
+        startLightSubpath(scene, classes, time, sampler, counts, &owner.starts);
     if (!start) return;
     stored.end = start->end;
     LightSubpath path = start->path;
     record.start(path);
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
-      owner.follow(vertex);
       store(stored, path.optical.length);
       record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
       if (splatter && !owner.settings.merges) sumTechniques(stored);
@@ -185,12 +181,9 @@ class Bidirectional::LightWalk {
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
   ForwardStatistics statistics;
-  if (settings.guided) {
+  if (settings.guided && pass.index == 0) {
     const ProcessorTimer timer(statistics.learningSeconds);
-    Pass stage = pass;
-    stage.index = static_cast<uint32_t>(std::bit_width(pass.index)); // of Passes::doubling()
-    training.prepare(scene, lights, stage, control, statistics.counts);
-    statistics.guide = training.statistics();
+    starts = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
   }
   const auto start = std::chrono::steady_clock::now();
   radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));

@@ -5,7 +5,6 @@
 #pragma once
 
 #include "integrators/bidirectional/lightSubpaths.h"
-#include "transport/learning/guideTraining.h"
 #include "transport/photonmap/photonMap.h"
 
 namespace recurse {
@@ -18,13 +17,13 @@ struct BidirectionalSettings {
   float radius = 0;       ///< merge radius in the first pass [scene units]; 0: 1.5 pixels
   double alpha = 2.0 / 3; ///< alpha of the progressive radius reduction, see radiusScale()
   bool correlated = true; ///< weights account for the correlation of merged photons
-  bool guided = false;    ///< camera paths follow a learned guide, light paths start by a learned mixture
+  bool guided = false;    ///< light paths start by a learned mixture
 };
 
 /** Bidirectional integrator. Each pass has its own light paths and serves one sample of each pixel. */
 class Bidirectional : public Integrator {
  public:
-  explicit Bidirectional(const BidirectionalSettings& settings);
+  explicit Bidirectional(const BidirectionalSettings& settings) : settings(settings) {}
 
   Passes passes(int) const override { return Passes::perSample(); }
   bool splats() const override { return settings.splats; }
@@ -37,10 +36,6 @@ class Bidirectional : public Integrator {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
   std::string photonName() const override { return "vertices of light paths"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
-  bool learnsDirections() const override { return settings.guided; }
-  LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const override {
-    return training.directionsAt(point, wi);
-  }
   bool supportsFibres() const override { return false; }
   bool supportsTransient(const Scene&) const override { return true; }
   std::vector<EstimatorDomain> domains() const override;
@@ -53,11 +48,6 @@ class Bidirectional : public Integrator {
     uint32_t path, number; ///< number 1 is the vertex next to the light
   };
 
-  /** Mixes the guide into the densities of camera paths at a vertex. */
-  template <class State> void follow(PathVertex<State>& vertex) const {
-    if (const GuideField* guide = training.guide())
-      vertex.scattering->follow(guideAt(*guide, vertex.point(), vertex.wi));
-  }
   void buildPhotons();
   bool keepsLightPaths() const { return settings.connections || settings.merges; }
   /** Merge radius of a path whose first non-delta vertex has this pixel footprint [scene units]. */
@@ -74,9 +64,9 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
-  GuideTraining training;
-  double lightPaths = 0; ///< number in each pass
-  bool splatted = false; ///< light paths are connected to the camera
+  EmissionMixture starts; ///< starts of the light paths
+  double lightPaths = 0;  ///< number in each pass
+  bool splatted = false;  ///< light paths are connected to the camera
   // State of the current pass:
   LightSubpaths subpaths;
   PhotonMap photons;

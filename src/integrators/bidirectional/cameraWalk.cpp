@@ -34,7 +34,6 @@ class Bidirectional::CameraWalk {
 
   void run() {
     while (walker.next(path, vertex, sampler, [&](const Hit* hit) { addEmission(hit); })) {
-      owner.follow(vertex);
       arrive();
       if (vertex.isConnectable()) {
         if (owner.settings.shadowRays) addShadowRay();
@@ -138,7 +137,7 @@ class Bidirectional::CameraWalk {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
     if (vertices.size() > 1) {
-      const LightEnd end = lightEnd(scene, owner.training.photonStarts(), index, ray, last);
+      const LightEnd end = lightEnd(scene, owner.starts, index, ray, last);
       copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
@@ -189,8 +188,8 @@ class Bidirectional::CameraWalk {
       next = 1;
       start.lastPane = &pane;
     }
-    const LightEnd end = lightEnd(scene, owner.training.photonStarts(), choice.chosen.index,
-                                  sample->emitted(), *start.lastPane);
+    const LightEnd end =
+        lightEnd(scene, owner.starts, choice.chosen.index, sample->emitted(), *start.lastPane);
     x.back().fromLight = end.pdfNext;
     x.push_back({next * directionToEnd(end, start.lastPane->position), end.pdf});
     const WeightedPath full = weighted(end, start);
@@ -219,8 +218,7 @@ class Bidirectional::CameraWalk {
     arena.reset();
     const Bsdf* bsdf = y.material->bsdfAt(y.point, arena);
     if (!bsdf) return;
-    ScatteringPoint there(*bsdf, y.point);
-    if (const GuideField* guide = owner.training.guide()) there.follow(guideAt(*guide, y.point, y.wi));
+    const ScatteringPoint there(*bsdf, y.point);
     const Rgb radiance = here * y.throughput * there.evaluateFlux(y.wi, -direction) / distance2;
     if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi,
                                       visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
@@ -231,8 +229,8 @@ class Bidirectional::CameraWalk {
     const bool summed = !owner.settings.merges && t > 1 && !owner.subpaths.startsAtPane(from);
     owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
     x[s - 1].fromLight = vertex.pdfPrevious(direction);
-    x[s].fromLight = double(there.pdf(y.wi, -direction, ALL_LOBES, Transport::FLUX)) *
-                     areaPerSolidAngle(y.point.position, vertex.point(), direction);
+    x[s].fromLight =
+        double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
     x[s + 1].fromCamera =
         vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
     x[s + 1].delta = false;

@@ -38,8 +38,6 @@ class GuideTraining {
     const GuideCell* cell = field.cellAt(point.position, point.normalTowards(wi));
     return cell ? cell->learned() : LearnedDirections();
   }
-  /** Starts of photons, not active before the first stage. */
-  const EmissionMixture& photonStarts() const { return emission; }
   /** Empty before the first stage. */
   std::optional<GuideStatistics> statistics() const {
     return stage < 0 ? std::optional<GuideStatistics>() : field.statistics();
