@@ -261,9 +261,10 @@ TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
   const auto scene = sceneFrom(litCorner(20));
   const int count = SANITIZED ? 100 : 200;
   for (const Way& way : dealt(ways(), 2)) {
+    // One seed, as a single map of few photons has a standard error of 4 %.
     const Rendered a = renderWith(*scene, way, {.samples = count, .seed = 1});
-    const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 2, .adaptive = false});
-    const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // few photons: their noise is shared
+    const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 1, .adaptive = false});
+    const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // numbers of passes may differ
     EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()) + maps)
         << way.integrator << way.parameters;
   }
