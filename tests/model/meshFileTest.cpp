@@ -88,6 +88,16 @@ TEST(ImportWriter, RepeatedNamesAreUniqueAlsoWhereTheyAreCut) {
   EXPECT_TRUE(names.insert(out.uniqueName("a_2")).second);
 }
 
+TEST(ImportWriter, NamesOfFilesAreValidInTheText) {
+  SceneImport import;
+  const ImportContext context;
+  ImportWriter out(import, context);
+  EXPECT_EQ(out.addFile("my \"map\".P\\N\"G", "1"), "my__map_.p_n_g");
+  EXPECT_EQ(out.addFile("maps/leaf-2.PNG", "2"), "leaf-2.png");
+  EXPECT_EQ(out.addFile("leaf-2.png", "3"), "leaf-2_2.png");
+  EXPECT_EQ(import.files.size(), 3u);
+}
+
 TEST_F(MeshFile, TwoOfThemDoNotClash) {
   write("m.gltf", gltf(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,5]})",
                        R"({"pbrMetallicRoughness":{"metallicFactor":0.5}})"));

@@ -50,8 +50,8 @@ class PathClasses {
  public:
   /** One class, "all": every path. */
   PathClasses();
-  /** Compiles 1 to 64 expressions with different names. Throws Error (BAD_USAGE) for another number or equal
-   * names, with the column for a syntax error, for a class without paths, for too many states, and for
+  /** Compiles 1 to 64 expressions with different names. Throws Error (BAD_USAGE) for another number, equal or
+   * empty names, with the column for a syntax error, for a class without paths, for too many states, and for
    * expressions that name lights or surfaces. */
   explicit PathClasses(std::vector<PathClass> classes) : PathClasses(std::move(classes), nullptr) {}
   /** Compiles expressions that may name lights and surfaces of the scene in which the walks are. Throws Error
@@ -78,7 +78,7 @@ class PathClasses {
   size_t lightStateCount() const { return lightStates; }
   size_t cameraStateCount() const { return cameraDead.size(); }
 
-  /** State after reading L, of a light without a name; of one of the lights if the expressions name all. */
+  /** State after reading L, of a light that no expression names; of one of the lights if all are named. */
   LightState lightStart() const { return lightStartState; }
   /** State after reading L, of a light by its index in PathNames. */
   LightState lightStart(size_t light) const {

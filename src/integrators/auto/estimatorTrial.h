@@ -37,7 +37,7 @@ class EstimatorTrial {
     double ofPixels = 0; ///< relative variance of pixels
     double ofBlocks =
         0; ///< relative variance of block means; smaller by the number of pixels if they are independent
-    double work = 0; ///< [rays of a camera path], from counts, so that it is equal on all machines
+    double work = 0; ///< [camera rays] for a pixel, from counts, so that it is equal on all machines
 
     /** Adds relative variance that is independent between pixels. */
     void add(double variance);

@@ -15,11 +15,12 @@ struct StoredVertex {
   const Material* material = nullptr;
   Vec3f wi;       ///< unit, back along the light path
   Rgb throughput; ///< flux on arrival, not divided by the number of paths
+  /** F and B of WeightedVertex; PathVertex::toPrevious. F is set once the path has left the next vertex. */
   double fromCamera = 1, fromLight = 1, toPrevious = 1;
-  LightState state, afterD;
-  bool connectable = false;
-  bool delta = false;    ///< the path continued by a delta lobe
-  bool straight = false; ///< the delta lobe of a thin pane, which shadow rays pass too
+  LightState state, afterD; ///< on arrival; after a D event here
+  bool connectable = false; ///< see PathVertex::isConnectable()
+  bool delta = false;       ///< the path continued by a delta lobe
+  bool straight = false;    ///< the delta lobe of a thin pane, which shadow rays pass too
 };
 
 /** Stored light path: the vertices [first, first + count), in order from the light. */

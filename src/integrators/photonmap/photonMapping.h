@@ -14,7 +14,7 @@ struct PhotonMappingSettings : PhotonPassSettings {
   Passes passes = Passes::perSample();
   int lightSamples = 1;
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance cached at records
-  int finalGather = -1;        ///< rays from the first non-delta surface of a path; -1: one, where that pays
+  int finalGather = -1; ///< rays from a path's first non-delta surface; 0: none; -1: one, where it pays
   float weightLimit = 0.03f;
 };
 

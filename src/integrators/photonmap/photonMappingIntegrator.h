@@ -39,8 +39,8 @@ class PhotonMapping final : public PhotonMapper {
   // ----------------------------------------------------------------------------------------------- the path
   /** Follows a path to its end: adds emitted light, and at each surface the light of its lobes. */
   void trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const;
-  /** Continues by the delta lobes: all branches of a path from the camera above the weight limit, otherwise
-   * one by russian roulette. False if the path ends. */
+  /** Continues by the delta lobes: before the first non-delta vertex by all, if each is above the weight
+   * limit; otherwise by one, chosen at random, with Russian roulette. Returns false if the path ends. */
   bool followDelta(const Scene& scene, const CameraWalker& walker, PathState& path,
                    const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const;
   /** Adds light that non-delta lobes scatter along the path: direct light, photons, and rays that go on. */

@@ -36,8 +36,8 @@ struct SharedRay {
 /** MIS weights of the light that a ray finds, from the last non-delta vertex or the camera on. */
 struct RayWeights {
   bool byRays = true;   ///< no photons are stored at that vertex: the camera, or a point on a curve
-  float share = 1;      ///< fraction of the indirect light at the next non-delta vertex
-  PhotonShare direct;   ///< fraction of the direct light there
+  float share = 1;      ///< weight of light scattered by media and at the next non-delta vertex
+  PhotonShare direct;   ///< weights of the direct light at that vertex; its `unknownWeight` becomes `share`
   SharedRay shared;     ///< of directly hit light, against photons
   BsdfRay bsdfRay;      ///< of directly hit light, against shadow rays
   MergeRatio merge;     ///< of light hit through mirrors and glass, against photons
@@ -57,7 +57,7 @@ struct PathState {
   int recordedStep = CAMERA_STEP;    ///< step by which the ray left, see PathRecorder
   int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 
-  /** Throughput of light that photons at earlier vertices represent as well. */
+  /** Throughput times the weight that photons at earlier vertices leave to the path. */
   Rgb sharedThroughput() const { return walk.throughput * remainingWeight; }
 
   /** Path after a scattering event by a delta lobe; `pane`: it went straight through a thin pane. */

@@ -31,7 +31,7 @@ struct PhotonPassSettings {
   double radius = 0;    ///< search radius [scene units]; 0: from the photon density
   int maxDepth = -1;
   bool directLight = false;  ///< photons carry direct light as well
-  bool causticsOnly = false; ///< photons carry only light through mirrors and glass alone
+  bool causticsOnly = false; ///< photons carry caustics only: delta events between light and surface
   bool guided = true;
   bool edges = true; ///< estimates are corrected where surfaces end
   float flatness = 0.2f;
@@ -91,7 +91,8 @@ class PhotonPass {
   const PhotonLayer& caustics() const { return causticLayer; }
   /** All other photons on surfaces. */
   const PhotonLayer& indirect() const { return indirectLayer; }
-  /** Photons in media that have scattered before; with `directLight` all photons in media. */
+  /** Photons in media that have scattered before, and all of emissive media; with `directLight` all photons
+   * in media. */
   const MediaPhotons& inMedia() const { return mediaPhotons; }
   /** Whether surfaces store fewer than MIN_MAP photons, or than one in MIN_STORED, in the first pass. */
   bool hasTooFewPhotons() const { return tooFew; }
@@ -119,7 +120,7 @@ class PhotonPass {
                  float chosen) const;
 
   /** Parameters of the search at a point. A single pass searches the nearest photons, or within a given
-   * radius. One of many shrinks the first pass's radius there, independently of its own photons. */
+   * radius. One of many passes shrinks the radius that the first pass has learned there. */
   PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
                     LobeSet lobes) const;
   /** Weights photons of the indirect layer against the rays that the surface scatters, by the estimated
@@ -150,7 +151,7 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
-  /** Starts of photons as far as they are learned, without emissive media. */
+  /** Learned starts of photons at the lights. */
   EmissionSettings emission() const;
   /** Learns the medium around the scene, and its transmittance for infinite lights. */
   void learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics);

@@ -36,7 +36,7 @@ bool isMatt(const Material* material) {
 }
 
 bool isCut(const SceneShape& s) {
-  return isMatt(s.material) && s.shape->componentMaterials().empty() &&
+  return isMatt(s.material) && s.shape->canBeSampled() && s.shape->componentMaterials().empty() &&
          (s.shape->triangleMesh() || s.shape->faceCount() > 0);
 }
 

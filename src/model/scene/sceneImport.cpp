@@ -101,14 +101,16 @@ std::string ImportWriter::uniqueName(const std::string& hint) {
 
 std::string ImportWriter::addFile(const std::string& hint, std::string content) {
   const fs::path path(hint);
+  const auto cleaned = [](std::string text, char allowed) {
+    for (char& c : text)
+      if (!std::isalnum(static_cast<unsigned char>(c)) && c != allowed) c = '_';
+    return text;
+  };
+  const std::string stem = cleaned(path.stem().string().substr(0, 64), '-'),
+                    extension = cleaned(lowerCase(path.extension().string()).substr(0, 16), '.');
   std::string name;
-  for (int i = 1; name.empty() || import.files.contains(name); ++i) {
-    std::string clean;
-    for (const char c : path.stem().string().substr(0, 64))
-      clean += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
-    name = context.folder + clean + (i > 1 ? "_" + std::to_string(i) : "") +
-           lowerCase(path.extension().string());
-  }
+  for (int i = 1; name.empty() || import.files.contains(name); ++i)
+    name = context.folder + stem + (i > 1 ? "_" + std::to_string(i) : "") + extension;
   import.files[name] = std::make_shared<const std::string>(std::move(content));
   return name;
 }

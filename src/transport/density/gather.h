@@ -16,10 +16,11 @@
 
 namespace recurse {
 
-/** Squared errors that determine the weight of photons whose ratio to rays is unknown. */
+/** Squared errors of irradiance in the first pass [W²/m⁴]: of a ray, and variance and bias of photons. They
+ * determine the weight of photons whose ratio to rays is unknown. */
 struct GatherErrors {
   double byRays = 0, variance = 0, bias2 = 0;
-  /** Weight of photons if the support has the fraction `areaFraction` of the errors' area. */
+  /** Weight of photons in a support with this fraction of the area within GatherSettings::radius. */
   float photonWeight(double areaFraction) const {
     // Bounds of the rays' fraction of the error; beyond them the second estimate costs more than it gains.
     constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;
@@ -35,13 +36,15 @@ struct GatherSettings {
   float radius = 0;          ///< search radius, or its maximum if `nearest` is set [scene units]
   float flatness = 0.2f;     ///< flatness of the search region, see GatherRegion
   GatherWeighting weighting; ///< against rays that follow sharp lobes; default: no such rays
-  /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h: `merging` is
-   * per unit of kernel area, `unknownWeight` the weight of photons whose ratio is unknown. */
+  /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h. `merging`:
+   * merging factor of unit kernel area. `unknownWeight`: weight of photons whose ratio is unknown; of all
+   * photons if they are not weighed. */
   bool weighedAgainstRays = false;
   float merging = 0, unknownWeight = 1;
-  /** Whether the caller's rays add the light that photons lack, and `unknownWeight` depends on the support
-   * used: on `errors` if photons are weighted; else on its fraction of the area within `radius` (must be
-   * set), so that no photon is brighter than over all of that area. */
+  /** Whether the caller's rays add the light that photons lack. The unknown weight then depends on the
+   * support: it follows from `errors` if photons are weighed; else it is `unknownWeight` times the support's
+   * fraction of the area within `radius`, so that no photon is brighter than over that area. Requires
+   * `radius` > 0. */
   bool leavesLightToRays = false;
   GatherErrors errors = {};
   float unknownWeightWithin(float radius2) const {
@@ -55,8 +58,8 @@ struct GatherSettings {
 struct GatherResult {
   float radius = 0;        ///< radius of the support [scene units]
   int found = 0;           ///< number of photons in the support
-  float merging = 0;       ///< see GatherSettings; for the kernel's whole area
-  float unknownWeight = 1; ///< see GatherSettings; for this support
+  float merging = 0;       ///< merging factor of the kernel's whole area, see MergeRatio
+  float unknownWeight = 1; ///< see GatherSettings::unknownWeightWithin()
 };
 
 /**

@@ -11,14 +11,14 @@ namespace recurse {
 
 struct GatherChoice {
   GatherSettings settings; ///< settings of the first pass
-  float typicalRadius = 0; ///< typical radius at visible points [scene units]
+  float typicalRadius = 0; ///< median radius at visible points [scene units]; 0: unknown
 };
 
 /**
  * Chooses the search from the photons around visible points: either the k nearest photons, within a
  * limit that prevents dark corners from averaging over the whole scene, or all within the requested
- * radius. `requested`: settings of the user; 0 photons, or a radius of 0, are chosen here. Adds the
- * choice to the notes, and expected artifacts to the warnings. `allLight`: the map contains direct light
+ * radius. `requested`: settings of the user; a radius of 0 is chosen here, and with it a `nearest` of 0. Adds
+ * the choice to the notes, and expected artifacts to the warnings. `allLight`: the map contains direct light
  * too.
  */
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,

@@ -1,5 +1,5 @@
 /** @file
- * Construction and lookup of the radius cache.
+ * Construction of the radius cache.
  */
 #include "transport/density/radiusCache.h"
 

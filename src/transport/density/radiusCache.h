@@ -1,7 +1,7 @@
 /** @file
  * Cache of gather radii and surface geometry by position: the radius of a progressive density estimate in its
- * first pass, and how far the surface has no edge. It is independent of the photons of the pass that uses it,
- * so that their density estimate is unbiased.
+ * first pass, and how far the surface has no edge. It is learned from the photons of the first pass. In all
+ * other passes it is independent of the photons, so that it does not bias their density estimate.
  */
 #pragma once
 
@@ -23,26 +23,25 @@ float radiusScale(uint32_t index, double alpha);
 /** Result of a lookup, known before photons are searched. */
 struct CachedRadius {
   float radius = 0;                     ///< radius of the first pass [scene units]
-  const Neighbourhood* known = nullptr; ///< at a visible record near by with a similar normal; or null
-  float away = 0;                       ///< distance to the record of `known`
-  size_t index = 0;                     ///< index of the record that the radius is from
+  const Neighbourhood* known = nullptr; ///< at a record near by on the same surface; null: there is none
+  float away = 0;                       ///< distance to the record of `known`, or else to the nearest
+  size_t index = 0;                     ///< index of the record that the radius is from; 0 without records
 };
 
 class RadiusCache {
  public:
-  /** Creates records at photons of a first map and at visible points. Each has the distance to the k-th
-   * photon, at most search.radius, and the geometry of the surface around it. k = search.nearest; 0:
-   * search.radius everywhere. With alpha > 0, see radiusScale(), this distance is only a first guess:
-   * supports of a different area replace it where they have less expected error over many passes, and
-   * the gain of a gather is estimated by `rays`. Without `choosesAreas` errors are computed, but the
-   * first guess remains. Geometric normals of `seen` point to the viewer. The map is not used
-   * afterwards. */
+  /** Creates records at photons of a first map and at visible points; none if the map is empty. The radius of
+   * a record is the distance to the k-th photon, k = search.nearest, at most search.radius, or search.radius
+   * if k = 0; coveredFraction() may reduce it. With k > 0 and alpha > 0, see radiusScale(), the errors of
+   * this support are estimated, and if `choosesAreas` a support of a different area replaces it where the
+   * expected error over many passes is less. With rays.lights, Record::worth is estimated too. Geometric
+   * normals of `seen` must point to the viewer. The map is not used afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts, bool choosesAreas = true);
   /** Looks up the radius at a point with this geometric normal. The record is chosen among the nearest and
    * its neighbours by a hash of the position, which hides borders between records. The radius is at least the
-   * distance to the record. */
+   * distance to the record, within the limit of the search. Without records it is search.radius. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return records.size(); }
@@ -53,9 +52,9 @@ class RadiusCache {
     float radius = 0;
     float spacing = 0;   ///< distance to the third nearest neighbouring record
     float footprint = 0; ///< pixel width there [scene units]; 0: not known to be visible
-    /** Statistics of irradiance in the first pass, summed over channels: value [W/m²], variance, and squared
-     * bias with its weight relative to the variance over many passes [W²/m⁴]. The variance is infinite if no
-     * photon is near. */
+    /** Irradiance in the first pass, summed over channels, as means over records near by: value [W/m²],
+     * variance, and squared bias times its weight against variance over many passes [W²/m⁴]. The variance is
+     * infinite if the errors are unknown. */
     float irradiance = 0, variance = INFINITE, bias2 = 0;
     GatherWorth worth;
     Neighbourhood around;

@@ -19,7 +19,7 @@ struct GatherWorth {
 
 /** Model of camera rays that replace photons. */
 struct RayAlternative {
-  float emitted = 0;                    ///< photons emitted, as in PhotonQuery's `merging`
+  float emitted = 0;                    ///< number of photons emitted in the pass
   const LightSampler* lights = nullptr; ///< for shadow rays; null: rays do not share light with photons
   /** Maximum of a ray's estimate over the irradiance at the point: larger ones are too rare to count. */
   float maxBrightness = 100;

@@ -51,8 +51,9 @@ struct SupportErrors {
     constexpr double CHANCE = 0.7; // squared spread of such a difference over a few neighbouring records
     return std::max(0.0, bias2[j] - CHANCE * noise[j]);
   }
-  /** Index of the area with the least variance + biasWeight · bias². The bias of a support grows with its
-   * area, so the bias of the next is larger by as much as it is itself. */
+  /** Index of the area with the least variance + biasWeight · bias² + squared difference to the next area,
+   * with bias relative to OWN. Bias is proportional to area and areas double: this difference is a support's
+   * own bias. */
   size_t best(double biasWeight, LightDetail detail) const {
     constexpr double SURE = 0.5; // choosing fewer photons requires better evidence than more
     size_t best = OWN;

@@ -11,7 +11,8 @@
 
 namespace recurse {
 
-/** Vertex where a camera path has left the scene, or the crossing of its last segment with such paths. */
+/** Last vertex of a camera path that has left the scene, or a point where its last segment crosses those of
+ * other such paths. */
 struct CameraExit {
   Vec3f position;
   float weight;    ///< throughput of the path, at most 1

@@ -3,8 +3,6 @@
  */
 #include "transport/direct/directLight.h"
 
-#include "transport/paths/recordedSample.h"
-
 namespace recurse {
 
 namespace {
@@ -62,14 +60,6 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
       ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
     if (!(ray.tMax > 0)) return;
   }
-}
-
-/** Records a shadow ray from the last vertex, with the weight of unshadowedRadiance(). */
-void recordSample(PathRecorder& recorder, const ScatteringPoint& scattering, const Vec3f& wi,
-                  const LiSample& light, float probability, int samples, LobeSet allowed) {
-  const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
-  recordLightSample(recorder, recorder.source.vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
-                    light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
 } // namespace
@@ -144,7 +134,8 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     }
     if (isBlack(free.value)) continue;
     if (out.recorder)
-      recordSample(*out.recorder, scattering, wi, *light, choice.chosen.probability, samples, allowed);
+      recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
+                        choice.chosen.probability, samples, allowed);
     if (weight) {
       const float against = weight(choice.chosen, *light, panes);
       if (out.recorder) out.recorder->source.weight *= against;

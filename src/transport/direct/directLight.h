@@ -9,6 +9,7 @@
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/paths/recordedSample.h"
 #include "transport/paths/walk.h"
 
 namespace recurse {
@@ -57,8 +58,9 @@ inline float lengthToLight(const Scene& scene, const OpticalPath& optical, const
   return leaving(optical, scattering, wi, light.direction).at(distanceToLight(scene, point.position, light));
 }
 
-/** Contribution of one of `samples` shadow rays along unit `wi`, visibility aside, with MIS weight and
- * `throughput`. If it is black, the shadow ray need not be traced. */
+/** Contribution of one of `samples` shadow rays to a path seen from unit `wi`, without visibility, with MIS
+ * weight and `throughput`. `probability`: of the choice of the light. If the contribution is black, the
+ * shadow ray need not be traced. */
 inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& throughput,
                               const LiSample& light, float probability, int samples, LobeSet allowed) {
   if (!(light.pdf > 0)) return BLACK;
@@ -70,6 +72,15 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi
   return throughput * f * light.radiance * (weight / (pdf * static_cast<float>(samples)));
 }
 
+/** Calls recordLightSample() with the MIS weight of unshadowedRadiance(), whose arguments these are. */
+inline void recordLightSample(PathRecorder& recorder, int vertex, const ScatteringPoint& scattering,
+                              const Vec3f& wi, const LiSample& light, float probability, int samples,
+                              LobeSet allowed) {
+  const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
+  recordLightSample(recorder, vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
+                    light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
+}
+
 /** MIS weight of the light of a shadow ray against other techniques than BSDF rays; `panes`: number of thin
  * panes passed. */
 using ShadowRayWeight = std::function<float(const ChosenLight& light, const LiSample& sample, int panes)>;
@@ -78,8 +89,8 @@ using ShadowRayWeight = std::function<float(const ChosenLight& light, const LiSa
  * Adds the light of `samples` shadow rays at a point with non-delta lobes, through at most `maxPanes` thin
  * panes, seen from unit `wi` with `throughput`. `cameraState`: state after the D event at the point.
  * `allowed`: lobes from which the BSDF ray is sampled. `nesting`: state of the walk that arrived. `context`:
- * the point's context in `lightSampler`. Media on the way must be homogeneous, and the weights of BSDF rays
- * that hit lights must not include them. `optical`: the walk's on arrival. `weight`: empty for 1.
+ * the point's context in `lightSampler`. The weights of BSDF rays that hit lights must not include densities
+ * of media. `optical`: optical path of the walk on arrival. `weight`: empty for 1.
  */
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
@@ -96,8 +107,8 @@ struct BsdfRay {
                          ///< ray samples this light
 };
 
-/** Radiance of an emitting surface hit by a ray of unit `direction`, times its MIS weight; black where it
- * does not emit. `inMedia`: spectral densities of the path, in scenes with media. */
+/** Radiance of the area light at `hit` along a ray of unit `direction` that hits it, times its MIS weight;
+ * black where it does not emit. `inMedia`: spectral densities of the path; null: weights ignore media. */
 Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
                     const Vec3f& direction, const BsdfRay& ray, int lightSamples,
                     const SpectralPath* inMedia = nullptr);
@@ -118,7 +129,7 @@ struct LitVertex {
   LobeSet allowed;                   ///< lobes of the BSDF ray, see addSampledLight()
   const Nesting& nesting;
   const SpectralPath& path; ///< spectral state on arrival
-  int hero;
+  int hero;                 ///< colour channel that draws distances
   CameraState state;        ///< state after the event
   bool hasBsdfRay = true;   ///< false: only shadow rays find light from here
   OpticalPath optical = {}; ///< on arrival

@@ -14,7 +14,7 @@
 namespace recurse {
 
 /** Distances on [0, end] with density proportional to the transmittance of a uniformly chosen channel. `end`
- * may be infinite. */
+ * may be infinite. The extinction must not be black. */
 class TransmittanceDistance {
  public:
   TransmittanceDistance(const Rgb& extinction, float end) : end(end) {
@@ -77,15 +77,16 @@ struct LightAlongRay {
   float t = 0;             ///< distance along the ray
   LiSample light;          ///< light sample at that distance
   uint32_t index = 0;      ///< number of the light
-  float reciprocalPdf = 0; ///< RIS estimate of 1/pdf of distance, lamp and direction [length·sr]
+  float reciprocalPdf = 0; ///< RIS estimate of 1/pdf of distance, lamp and direction, over the number of rays
+                           ///< to the lamp [length·sr]
 };
 
 /**
- * Draws sample `which` of `rays.others` for a ray of unit direction through a homogeneous medium that ends at
- * `end`. Samples towards `others` are stratified by distance. Resampled importance sampling (Talbot, Cline
- * and Egbert 2005, "Importance Resampling for Global Illumination") selects it from candidates, half of them
- * by transmittance and half equiangular about a lamp. Returns nullopt if no candidate is lit, or if the
- * chosen lamp has all of its rays.
+ * Draws sample `which`, in [0, rays.others), for a ray of unit direction through a homogeneous medium that
+ * ends at `end`. Samples towards `others` are stratified by distance. Resampled importance sampling (Talbot,
+ * Cline and Egbert 2005, "Importance Resampling for Global Illumination") selects it from candidates, half of
+ * them by transmittance and half equiangular about a lamp. Returns nullopt if no candidate is lit, or if
+ * `which` is not below the number of rays to the chosen lamp.
  */
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,

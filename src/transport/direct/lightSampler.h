@@ -30,12 +30,14 @@ struct LightSampleContext {
 /** Chooses lights for shadow rays: by power until it has learned, then by a light tree (Conty Estevez and
  * Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"), whose upper levels are
  * weighted by the photons that arrived in cells of space (Keller and Wald 2000, "Efficient Importance
- * Sampling Techniques for the Photon Map"). Probabilities are blended between cells. They depend on the
- * position alone, so that MIS weights can evaluate them: doc-files/notes/light-sampler.md. */
+ * Sampling Techniques for the Photon Map"). Probabilities are blended between cells. They depend only on
+ * the position and the axis nearest to the normal, so that MIS weights can evaluate them:
+ * doc-files/notes/light-sampler.md. */
 class LightSampler {
  public:
-  /** Learns portals, if `withPortals`, and traces photons up to their first surface if there is more than one
-   * light. Independent of the seed and the number of threads. Returns the work it took. */
+  /** Learns portals, if `withPortals`. With more than one light, also traces photons up to their first
+   * surface, and camera rays from whose first non-delta surface shadow rays find a light. Independent of the
+   * seed and the number of threads. Returns the work it took. An interrupt leaves nothing learned. */
   TransportCounts learn(const Scene& scene, bool withPortals = true);
 
   bool active() const { return !order.empty(); }

@@ -10,8 +10,8 @@
 namespace recurse {
 
 /**
- * Adds the direct light of a vertex, thin panes included: one shadow ray and one BSDF ray, combined by MIS
- * weights. `nesting` is the state of the walk that arrived at the vertex.
+ * Adds the direct light of a vertex: one shadow ray and one BSDF ray, combined by MIS weights. Thin panes
+ * occlude it. `nesting`: state of the walk that arrived at the vertex.
  */
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out);

@@ -16,8 +16,8 @@ namespace recurse {
 class PortalSampler {
  public:
   /** Learns portals and the mixture weight that minimises the second moment of direct light at camera
-   * vertices. The weight is 0 if the gain is small, and small if only most paths gain, because sunlight on a
-   * few dominates the moment. Returns the work it took. */
+   * vertices. The weight is 0 if the gain is small. It is 1/4 if sunlight on a few paths dominates the moment
+   * and hides a large gain of most others. Returns the work it took. */
   TransportCounts learn(const Scene& scene);
   /** Mixture weight of the portals, in [0, 1); 0: no portals. */
   float probability() const { return throughPortals; }
@@ -40,8 +40,8 @@ class PortalSampler {
   static Opening fit(std::span<const CameraExit> exits);
   void divide(std::span<CameraExit> exits, const Opening& whole, int levels);
 
-  /** Cumulative sums of the estimated solid angles of the openings [sr]. */
   static constexpr int LEVELS = 4; // at most 2^LEVELS openings, as each shadow ray evaluates all
+  /** Cumulative sums of the estimated solid angles of the openings [sr]. */
   using SolidAngles = std::array<float, 1 << LEVELS>;
   /** Computes the cumulative sums for a point, and returns the total [sr]. */
   float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;

@@ -1,11 +1,10 @@
 /** @file
- * Recording of light hits and shadow rays by a PathRecorder.
+ * Recording of light hits by a PathRecorder.
  */
 #pragma once
 
 #include "recurse/transport/integrator/pathRecorder.h"
 #include "transport/direct/directLight.h"
-#include "transport/paths/recordedSample.h"
 
 namespace recurse {
 
@@ -34,15 +33,6 @@ inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, cons
   s.pdf = ray.pdf;
   s.otherPdf = lights.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
                lights.pdfLi(light, ray.from.position, direction);
-}
-
-/** Calls recordLightSample() with the MIS weight of unshadowedRadiance(), whose arguments these are. */
-inline void recordLightSample(PathRecorder& recorder, int vertex, const ScatteringPoint& scattering,
-                              const Vec3f& wi, const LiSample& light, float probability, int samples,
-                              LobeSet allowed) {
-  const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
-  recordLightSample(recorder, vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
-                    light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
 } // namespace recurse

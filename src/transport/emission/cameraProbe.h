@@ -11,15 +11,16 @@
 
 namespace recurse {
 
-/** Surface point that the camera sees directly or through delta surfaces only. */
+/** First point of a camera path on a surface that gathers photons. */
 struct VisiblePoint {
   SurfacePoint point;     ///< surface point whose geometric normal points to the viewer
   float footprint = 0;    ///< width of a pixel there [scene units]
   bool transmits = false; ///< whether its BSDF has a transmission lobe
 };
 
-/** Visible points of a grid of `across`² camera rays over the image, which follow the strongest delta lobe of
- * each surface; rays without a point are omitted. Rough lobes that `weighting` leaves to rays are mirrors. */
+/** Visible points of a grid of `across`² camera paths over the image. They follow the strongest delta lobe
+ * of a surface, and sample a rough lobe that `weighting` leaves to rays. Paths without a point are omitted.
+ */
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);
 

@@ -1,7 +1,7 @@
 /** @file
- * Density of emission: for each light a mixture of its own sampling and of boxes that the camera's paths have
- * met, with probabilities learned from trial photons (multiple importance sampling of one sample, Veach 1997,
- * section 9.2.4; a population Monte Carlo update, Cappé et al. 2008).
+ * Density of emission: for each light a mixture of its own sampling and of sampling through boxes around
+ * vertices and exits of camera paths, with probabilities learned from trial photons (multiple importance
+ * sampling of one sample, Veach 1997, section 9.2.4; a population Monte Carlo update, Cappé et al. 2008).
  */
 #pragma once
 
@@ -41,9 +41,9 @@ class EmissionMixture {
   bool active() const { return !groups.empty(); }
   /** The lights of the scene with learned probabilities; requires active(). */
   const LightTable& lights() const { return table; }
-  /** Replaces the direction and flux of a finite light's sample, or the origin and flux of an infinite
-   * light's. The flux is black where the light does not emit in that direction. `pick` and `u` are in [0, 1)
-   * and independent of the sample. */
+  /** Replaces the direction of a finite light's sample or the origin of an infinite light's, and updates the
+   * members that depend on it. The flux is black where the light does not emit in that direction. `pick` and
+   * `u` are in [0, 1) and independent of the sample. */
   void redirect(uint32_t light, LeSample& sample, float pick, const Vec2f& u) const;
   /** Densities of a ray of redirect(). */
   LePdf pdfLe(uint32_t light, const LeRay& ray) const;
@@ -52,7 +52,8 @@ class EmissionMixture {
   void adapt(const Moments& moments);
   /** Fraction of the light paths that start through boxes. */
   double boxPart() const;
-  /** Whether a finite light is so far from all boxes that a ray that leaves the scene rarely hits it. */
+  /** Whether a finite light is so far from most camera vertices that rays from there rarely hit it; false
+   * unless active(). */
   bool isFar(uint32_t light) const;
 
  private:

@@ -1,5 +1,5 @@
 /** @file
- * Emission of light paths by lights, chosen by power, and by media.
+ * Emission of light paths by lights and media.
  */
 #include "transport/emission/emissionSampler.h"
 

@@ -12,8 +12,8 @@
 
 namespace recurse {
 
-/** What light paths start from. By default every light emits by its own sampling, and lights are chosen by
- * power. */
+/** Settings of the starts of light paths. By default every light emits by its own sampling, and lights are
+ * chosen by power. */
 struct EmissionSettings {
   const EmissionMixture* mixture = nullptr; ///< learned emission; null: none
   const EmissiveMedia* media = nullptr;     ///< emissive media besides the lights; null: none
@@ -30,10 +30,10 @@ struct EmissionSettings {
 
 /** Start of a light path. */
 struct LightStart {
-  LightSubpath path; ///< throughput: flux of the light over the density of the start [W]
-  LightEnd end;      ///< its pdfNext is not set, because it depends on the first vertex; no light: a medium
-  LePdf pdf;         ///< densities of the ray; 1 for a delta, as in LeSample
-  float probability = 0; ///< of the choice of the light
+  LightSubpath path;     ///< throughput: flux of the light over the density of the start [W]
+  LightEnd end;          ///< `light` is null for a medium; pdfNext depends on the first vertex and is not set
+  LePdf pdf;             ///< densities of the ray; 1 for a delta, as in LeSample; 0 for a medium
+  float probability = 0; ///< of the choice among the lights; 0 for a medium
 };
 
 /** Samples the starts of light paths. */
@@ -43,7 +43,8 @@ class EmissionSampler {
                   TransportCounts& counts)
       : scene(scene), classes(classes), settings(settings), counts(counts), mediaPart(partOfMedia()) {}
 
-  /** Starts a path from a light or an emissive medium. Returns false where nothing is emitted. */
+  /** Starts a path from a light or an emissive medium. Returns false if the sample has no flux, or no path
+   * class can use it; `start` is then invalid. */
   bool start(float time, Sampler& sampler, LightStart& start) const;
 
  private:

@@ -14,8 +14,8 @@ namespace recurse {
  * boundary. */
 uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts);
 
-/** Medium around the scene: the most frequent one in front of boundaries that rays from far outside hit, or
- * the camera's medium if they hit none. */
+/** Medium around the scene: the most frequent one in front of boundaries that axis-parallel rays into the
+ * scene's bounding cube hit first, or the camera's medium if they hit none. */
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts);
 
 /** Emissive media of a scene. Positions are sampled by cells, in proportion to their probed emission. A
@@ -36,7 +36,8 @@ class EmissiveMedia {
     Rgb power{0};    ///< emission into all directions, divided by the density of the position [W]
     uint16_t medium = 0;
   };
-  /** Samples a position by `choice` and `uPosition` in [0, 1). The power is black without emission there. */
+  /** Samples a position by `choice` and `uPosition` in [0, 1); requires !empty(). The power is black where
+   * the position has no emission. */
   Sample sample(const Scene& scene, float time, float choice, const Vec3f& uPosition,
                 TransportCounts& counts) const;
 

@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** x_k: the end of a path at a light, or at a point of an emissive medium, for which only `ray` is known. */
+/** x_k: the end of a path at a light. If the path starts in an emissive medium, no member is set. */
 struct LightEnd {
   const Light* light = nullptr; ///< null: a medium; the functions below need a light
   uint32_t index = 0;           ///< index in the table of lights

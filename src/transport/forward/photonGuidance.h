@@ -14,13 +14,13 @@ namespace recurse {
 /** Guidance of photons: their starts, splitting and number. */
 struct PhotonGuidance {
   EmissionMixture emission;
-  float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
+  float splitPower = INFINITE; ///< ShootSettings::splitPower times the number of photons emitted [W]
   double storedPhotons = 1;    ///< number of photons stored for each one emitted
 };
 
 /**
  * Learns from trial photons which emission reaches the visible region, and adds their work to `counts`. With
- * `mixes` false the lights emit by their own sampling.
+ * `mixes` false the lights emit by their own sampling. Without lights or a region, learns nothing.
  */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,

@@ -25,9 +25,9 @@ struct ShotPhotons {
 };
 
 /**
- * Traces photons from lights chosen by power. Surfaces with a diffuse lobe store a photon; it continues by
- * Russian roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the
- * number of threads. Photons that no path class can use are not followed.
+ * Traces photons from the starts of settings.emission. Surfaces with a non-delta lobe and media store
+ * photons; these continue by Russian roulette on the scattered flux, which keeps powers nearly equal. The
+ * lists do not depend on the number of threads. Photons that no path class can use are not followed.
  */
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control);

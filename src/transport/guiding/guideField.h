@@ -16,7 +16,7 @@
 
 namespace recurse {
 
-/** Estimate of the light that arrives at one vertex of a camera path. */
+/** Sample of the light that arrives at a vertex of a camera path, or at the surface of a photon. */
 struct GuideRecord {
   Vec3f position{0};
   Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from
@@ -24,7 +24,7 @@ struct GuideRecord {
   /** f L cos θ times the MIS weight of the ray, over the pdf of the direction; of a photon its flux, in any
    * unit, since each cell scales both kinds of records. Positive. */
   float value = 0;
-  float pdfBsdf = 0;       ///< density of BSDF sampling for the direction [1/sr]; positive
+  float pdfBsdf = 0;       ///< density of BSDF sampling [1/sr]; of a photon cos θ / π; positive
   bool fromPhoton = false; ///< a photon, not a camera path, made the record
 };
 

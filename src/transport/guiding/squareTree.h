@@ -24,8 +24,9 @@ class SquareTree {
   /** The uniform density. */
   SquareTree() : nodes(1) {}
 
-  /** Density of the weighted points. A quarter is divided while it has more than MAX_MASS of the total weight
-   * and at least MIN_EFFECTIVE effective points, down to MAX_DEPTH. Changes the order of `points`. */
+  /** Density of the weighted points, each spread over a box as large as its leaf; uniform without weight. A
+   * quarter is divided while it has more than MAX_MASS of the total weight and at least MIN_EFFECTIVE
+   * effective points, down to MAX_DEPTH levels. Changes the order of `points`. */
   explicit SquareTree(std::span<WeightedPoint> points);
 
   /** Density at a point [1/area]; 1 everywhere for the uniform density. */

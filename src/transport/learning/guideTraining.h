@@ -19,21 +19,22 @@ struct GuideTrainingSettings {
 
 /**
  * Guide of a render, with its training. Stage k precedes pass k + 1 of Passes::doubling(). Its camera paths
- * are a fraction of the number in all passes before, and follow the guide of stage k - 1. The guide of a pass
- * depends only on the scene, the seed and the pass.
+ * are a fraction of the number in all passes before, and follow the guide of stage k - 1, or in stage 0 a
+ * guide by its photons alone. The guide of a pass depends only on the scene, the seed and the pass.
  */
 class GuideTraining {
  public:
   explicit GuideTraining(const GuideTrainingSettings& settings) : settings(settings) {}
 
   /** Trains the guide up to the stage of a pass, for camera paths whose direct light is sampled by `lights`.
-   * Does nothing before pass 1, so that the first image is not delayed. A stopped stage has no effect. */
+   * Pass 0 only clears the guide, so that the first image is not delayed. A stopped stage has no effect. */
   void prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
                const ForwardControl& control, TransportCounts& counts);
 
   /** Current guide; null: BSDF sampling everywhere. */
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
-  /** What has been learned at a surface point on the side of unit `wi`; its cell may be off. */
+  /** Learned directions at a surface point on the side of unit `wi`, from a cell on or off; empty before the
+   * first stage. */
   LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const {
     const GuideCell* cell = field.cellAt(point.position, point.normalTowards(wi));
     return cell ? cell->learned() : LearnedDirections();

@@ -45,9 +45,10 @@ class PhotonBeamMap {
            lengths.capacity() * sizeof(float) + tree.memoryBytes();
   }
 
-  /** Calls visit(beam, s, t, kernel) for each beam within whose radius the ray of unit direction passes, at
-   * the closest approach of both: at `s` along the beam and 0 < t < end along the ray. `kernel` [1/length] is
-   * across both lines, over the sine of the angle between them. */
+  /** Calls visit(beam, s, t, kernel) for each beam whose distance from the ray of unit direction is less than
+   * its radius. The closest approach is at `s` along the beam and 0 < t < end along the ray. `kernel`
+   * [1/length]: one-dimensional kernel of this distance, over the sine of the angle between both. Nearly
+   * parallel beams are omitted. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     tree.visitAlong(ray, end, [&](size_t i) {
       const Piece& piece = pieces[i];

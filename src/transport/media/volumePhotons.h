@@ -27,6 +27,7 @@ struct VolumePhoton {
 
 /** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
 using KernelPoints = std::array<Vec3f, 32>;
+/** Points of the unit disc perpendicular to unit `direction`. */
 KernelPoints kernelPointsAcross(const Vec3f& direction);
 
 /** Bounds of a photon's disc: the planes of the surfaces around it. */
@@ -77,8 +78,9 @@ class VolumePhotonMap {
   }
 
   /** Calls visit(photon, depth, kernel) for each photon whose disc the ray of unit direction crosses between
-   * 0 and `end`. `depth`: distance to there or, from a surface that bounds the disc, the photon's own
-   * distance from it. `kernel` [1/area]: across the ray, with integral 1 over the disc. */
+   * 0 and `end`. `depth`: distance to the disc; if the ray starts on a surface that bounds the disc, distance
+   * along the ray from there to the photon itself. `kernel` [1/area]: across the ray, with integral 1 over
+   * the disc. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {

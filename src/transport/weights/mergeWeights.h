@@ -15,9 +15,10 @@
 namespace recurse {
 
 /** Density of photons that arrive at a surface straight from a light, for each photon emitted, over the
- * density of shadow rays from there at their origin on the light [1/length²]. Shadow rays are taken to sample
- * a light uniformly by area, and an environment as photons do. `pdf`: of the emission; `cosine`: at the
- * surface; `emitted`, `chosen`: selection probabilities of the light for photons and for shadow rays. */
+ * density with which shadow rays from there sample the photon's origin on the light [1/length²]. Shadow rays
+ * are taken to sample a light uniformly by area, and an environment as photons do. `pdf`: of the emission;
+ * `cosine`: at the surface; `emitted`, `chosen`: selection probabilities of the light for photons and for
+ * shadow rays. */
 inline float arrivalDensity(LightKind kind, const LePdf& pdf, float distance, float cosine, float emitted,
                             float chosen) {
   const float density = isInfinite(kind) ? pdf.position : pdf.direction / square(distance);

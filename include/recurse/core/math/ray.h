@@ -20,7 +20,7 @@ struct Ray {
 struct CameraRay : Ray {
   float width = 0;
   float spread = 0;
-  float sampleSpacing = 1; ///< spacing of samples over spacing of pixels, at least 1/8 as in pbrt
+  float sampleSpacing = 1; ///< sample over pixel spacing, at least 1/8 as in pbrt; set by the renderer
   float weight = 1;        ///< factor of the radiance along the ray; 1 except for lens systems
 };
 

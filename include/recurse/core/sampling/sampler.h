@@ -57,14 +57,16 @@ class SamplePoints {
   using Pairs = std::array<uint32_t, PAIRS>;
 
   /** Sets numbers[i] and numbers[PAIRS + i], for i < PAIRS, to the two dimensions of pair `first + i` of
-   * sample `index`, in [0, 1). `key` and `index` are those given to the Sampler, or of a fork. */
+   * sample `index`, in [0, 1). `index` is the one given to the Sampler, and so is `key`, except that each
+   * fork has another. */
   virtual void fill(uint64_t key, uint32_t index, uint32_t first, float* numbers) const = 0;
 
   /** Hash of a pair of dimensions, independent for each key and each pair. */
   static constexpr uint64_t pairHash(uint64_t key, uint32_t pair) {
     return mixBits(key + 0x9e3779b97f4a7c15ull * (pair + uint64_t(1)));
   }
-  /** Fills `numbers`, as fill() does, with Owen-scrambled Sobol' points of indices with reversed bits. */
+  /** Fills `numbers`, as fill() does, with Sobol' points. For each pair: the index with its bits reversed,
+   * and the seed of its Owen scrambling. */
   static void fillSobol(const Pairs& reversedIndices, const Pairs& seeds, float* numbers);
 };
 
@@ -80,7 +82,7 @@ class Sampler {
   Sampler(const SamplePoints& points, uint64_t key, uint32_t index)
       : key(key), reversedIndex(reverseBits(index)), points(&points) {}
 
-  /** Next sample in [0, 1), the first of a pair. */
+  /** Next sample in [0, 1). Consumes a pair of dimensions, whose second is not used. */
   float next1D() { return numbers[next()]; }
   /** Next sample in [0, 1)². */
   Vec2f next2D() {

@@ -33,8 +33,8 @@ enum Lobe : uint16_t {
   NON_DELTA_LOBES = REFLECTION | TRANSMISSION,
   DELTA_LOBES = MIRROR | REFRACTION,
   ALL_LOBES = NON_DELTA_LOBES | DELTA_LOBES,
-  /** Modifier of REFLECTION without TRANSMISSION: value() is albedo/π on either side and sample() is
-   * cosine-weighted, so that the constant may be factored out. */
+  /** Modifier of REFLECTION without TRANSMISSION: value() is the constant albedo/π where wi and wo are on the
+   * same side, above or below, and sample() is cosine-weighted. ScatteringPoint caches the constant. */
   LAMBERTIAN = 16,
   /** Modifier: the x axis of the local frame is aligned with the surface's dpdu. */
   ANISOTROPIC = 32,
@@ -71,11 +71,12 @@ struct DeltaScatters {
 };
 
 /**
- * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
- * Both directions are unit and point away from the surface: wi to the previous vertex of the walk, wo to the
- * next one. value(wi, wo) is for flux that arrives from wi and leaves towards wo; radiance swaps both.
- * It must be reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)²,
- * with n(a) on the side of a; only a FIBRE need not be.
+ * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface; on
+ * the inner side z < 0. Both directions are unit and point away from the surface: wi to the previous vertex
+ * of the walk, wo to the next one. value(wi, wo) is for light that arrives from wi and leaves towards wo; for
+ * camera paths ScatteringPoint calls value(wo, wi). The BSDF must be reciprocal up to the refractive indices
+ * (Veach 1997, section 5.2): value(a, b) n(a)² = value(b, a) n(b)², with n(a) on the side of a. Only a FIBRE
+ * need not be.
  */
 class Bsdf {
  public:
@@ -84,14 +85,15 @@ class Bsdf {
   virtual Rgb value(const Vec3f& /*wi*/, const Vec3f& /*wo*/) const { return BLACK; }
   /** Density of wo in sample() [1/sr]. */
   virtual float pdf(const Vec3f& /*wi*/, const Vec3f& /*wo*/) const { return 0; }
-  /** Samples wo from the non-delta part, by u in [0,1)² and `pick` in [0,1). Empty: absorbed. */
+  /** Samples unit wo with the density pdf(), by u in [0,1)² and a further number `pick` in [0,1), which may
+   * choose a part of the BSDF. Empty: absorbed. */
   virtual std::optional<Vec3f> sample(const Vec3f& /*wi*/, const Vec2f& /*u*/, float /*pick*/) const {
     return {};
   }
   /** Appends all delta lobes for wi. */
   virtual void deltas(const Vec3f& /*wi*/, DeltaScatters& /*out*/) const {}
-  /** Fraction of the flux that the non-delta part scatters: exact for LAMBERTIAN lobes, else approximate,
-   * since it only steers the choice of a lobe; nonzero wherever the non-delta part is nonzero. */
+  /** Fraction of the flux from wi that the non-delta part scatters. Exact for LAMBERTIAN lobes. For
+   * others an approximation suffices, since it only steers their choice, but not zero where they scatter. */
   virtual Rgb albedo(const Vec3f& /*wi*/) const { return BLACK; }
   /** Refractive index below the surface over the index above, for the bending of the TRANSMISSION lobe. */
   virtual float eta() const { return 1; }
@@ -104,9 +106,12 @@ class Bsdf {
 };
 
 /** Memory for the BSDFs of one or several points, which are valid until reset(). reset() keeps the allocated
- * blocks. */
+ * blocks. Belongs to one thread, and must not be moved, since it refers to itself. */
 class BsdfArena {
  public:
+  BsdfArena() = default;
+  BsdfArena(const BsdfArena&) = delete; // `block` may point into the object itself
+  BsdfArena& operator=(const BsdfArena&) = delete;
   template <class T, class... Arguments> const T* make(Arguments&&... arguments) {
     static_assert(std::is_trivially_destructible_v<T>);
     static_assert(sizeof(T) <= BLOCK && alignof(T) <= alignof(std::max_align_t));
@@ -137,11 +142,12 @@ class BsdfArena {
   std::vector<std::unique_ptr<std::byte[]>> more; ///< further blocks, for deep mixes or many points
 };
 
-/** Material of the scene: makes the BSDF of each point. Immutable. */
+/** Material of the scene: makes the BSDF of each point. Immutable; any thread may call it. */
 class Material {
  public:
   virtual ~Material() = default;
-  /** BSDF at a point; null where the surface does not scatter and rays pass straight through. */
+  /** BSDF at a point, made in the arena. The caller has applied `detail` to the point. Null: the surface does
+   * not scatter, and rays pass straight through. */
   virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
   /** Union of the lobes at all points; determines the features that the scene needs. LAMBERTIAN and STRAIGHT
    * are included only if they hold at all points with the lobe that they modify. NO_LOBE: no scattering. */
@@ -165,11 +171,12 @@ class Material {
                        ///< priority. Solids of equal priority, refractive index and medium share one index
 };
 
-/** Arguments of makers of materials besides parameters. */
+/** Arguments of makers of materials besides parameters; both are valid during construction only. */
 struct MaterialContext {
   const TextureLookup& textures;
-  /** Finds a named material, declared before or after; throws SceneError with the location for unknown names,
-   * for cycles, and for materials that cannot be parts of others. */
+  /** Finds a named material, declared before or after. The result belongs to the scene, and is never null.
+   * Throws SceneError at the parameter for an unknown name, a cycle, and a material that cannot be a part of
+   * others. */
   std::function<const Material*(const Parameters&, const std::string& parameter, const std::string& name)>
       material;
 };

@@ -114,8 +114,8 @@ class ScatteringPoint {
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
-  /** Samples an allowed lobe by albedo, and a step; `allowed`: both delta lobes or none, and both non-delta
-   * lobes or none. Empty: absorbed. */
+  /** Chooses an allowed lobe in proportion to its albedo or weight (largest channel), and samples a step.
+   * `allowed`: both delta lobes or none, and both non-delta lobes or none. Empty: absorbed. */
   std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
                                  LobeSet allowed = ALL_LOBES) const {
     allowed &= lobeSet;

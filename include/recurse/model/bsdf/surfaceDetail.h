@@ -14,6 +14,8 @@ namespace recurse {
 class SurfaceDetail {
  public:
   virtual ~SurfaceDetail() = default;
+  /** Replaces the shading normal, which stays unit and in the hemisphere of the geometric normal. May use the
+   * footprint. Any thread may call it. */
   virtual void apply(SurfacePoint& point) const = 0;
 };
 

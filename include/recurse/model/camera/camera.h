@@ -41,6 +41,7 @@ struct WePdf {
   float direction = 0; ///< given the origin [1/sr]; 1 where isDeltaDirection(); 0: not in front of the camera
 };
 
+/** Arguments of makers of cameras besides parameters. */
 struct CameraContext {
   AnimatedTransform sceneFromCamera; ///< camera space looks along +z, x right, y up, as in pbrt
   double startTime = 0, endTime = 1; ///< times of the motion at which Ray::time is 0 and 1
@@ -51,13 +52,15 @@ struct CameraContext {
 /** Name and shutter, the parameters of every camera. */
 std::vector<ParameterSpec> cameraParameters();
 
+/** Camera of a scene. Immutable; any thread may call it. */
 class Camera {
  public:
   /** Throws SceneError unless the shutter closes after it opens. */
   Camera(const Parameters& p, const CameraContext& c);
   virtual ~Camera() = default;
-  /** Samples a ray. Its radiance times its weight, averaged over a pixel's samples, is the value of the
-   * pixel. Empty: the ray is blocked within the lens. */
+  /** Samples a ray in the space of the scene, with all members but sampleSpacing, which the renderer sets.
+   * Its radiance times its weight, averaged over a pixel's samples, is the value of the pixel. Empty: the ray
+   * is blocked within the lens. */
   virtual std::optional<CameraRay> sampleRay(const CameraSample& sample) const = 0;
   /** sampleRay(), but empty also where the origin or direction is NaN or too large to be traced. */
   std::optional<CameraRay> validRay(const CameraSample& sample) const {
@@ -136,11 +139,11 @@ struct FilmSettings {
   PixelBounds crop = whole(); ///< pixels that are rendered
   /** All pixels: learning uses these, so that a crop is a part of the same image. */
   PixelBounds whole() const { return {0, 0, width, height}; }
-  std::string fileName;
-  float imagingRatio = 1;  ///< pbrt's exposuretime · iso / 100, times the exposure time of the camera
+  std::string fileName;    ///< of the picture, unless the command line names one
+  float imagingRatio = 1;  ///< pbrt's exposuretime · iso / 100; in a scene, times Camera::exposureTime()
   double diagonal = 0.035; ///< of a physical film, for cameras with a lens system [m]
-  /** Limit of X, Y and Z of a sample, each times imagingRatio; brighter samples are scaled down to it, as in
-   * pbrt. */
+  /** Limit of X, Y and Z of a camera path, each times imagingRatio, before white balance; brighter ones are
+   * scaled down to it, as in pbrt. Splats of light paths are not limited. */
   float maxComponent = INFINITE;
   std::optional<Mat3f> whiteBalance; ///< of Rec. 709 colours; none: no white balance
   bool layered = false;              ///< true: feature layers are requested as well

@@ -27,14 +27,15 @@ class PixelSampler {
  public:
   virtual ~PixelSampler() = default;
 
-  /** Numbers of a sample. They depend on nothing but the arguments and the parameters. The result refers to
-   * this object. */
+  /** Numbers of a sample, which depend only on the argument and on the parameters. This object must outlive
+   * the result. Any thread may call it. */
   Sampler sampler(const PixelSample& sample) const {
     // The default without a virtual call.
     return hasPoints ? samplerOfPoints(sample) : Sampler(sample.seed, sample.pixel(), sample.index);
   }
-  /** Number of equal strata of a dimension that hold equally many of the first `samples` samples of a pixel,
-   * if so many are requested; 1: no stratification. `dimension`: 2 · pair + axis, each from 0. */
+  /** Number n of intervals [i/n, (i + 1)/n) of a dimension with equally many of the first `samples` > 0
+   * samples of a pixel, where PixelSample::requested is `samples`; 1: no stratification. `dimension`: 2 ·
+   * pair + axis, each from 0. */
   virtual uint32_t strata(uint32_t dimension, uint32_t samples) const = 0;
   /** Whether the samples of different pixels are independent. */
   virtual bool hasIndependentPixels() const { return true; }
@@ -43,7 +44,7 @@ class PixelSampler {
   uint64_t seed = 0;
 
  protected:
-  /** `hasPoints` false: the Sobol' points of Sampler. */
+  /** `hasPoints`: true: samplerOfPoints() is overridden; false: the Sobol' points of Sampler. */
   explicit PixelSampler(bool hasPoints) : hasPoints(hasPoints) {}
   /** sampler() of points other than those of Sampler. */
   virtual Sampler samplerOfPoints(const PixelSample& sample) const {

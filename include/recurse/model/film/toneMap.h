@@ -21,7 +21,8 @@ class ToneMap {
   virtual void apply(Image& picture) const = 0;
   /** True where the result of a pixel depends on its neighbours. Otherwise the mapping is monotonic. */
   virtual bool isLocal() const { return false; }
-  /** True where the mapping depends on the brightest pixels of the image, so that frames of a film differ. */
+  /** True where the mapping depends on statistics of the whole image, such as its brightest pixels. Refused
+   * for animations, which would flicker. */
   virtual bool measuresPicture() const { return false; }
   /** True where the operator leaves the image unchanged. */
   virtual bool isIdentity() const { return false; }

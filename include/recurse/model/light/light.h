@@ -54,7 +54,7 @@ struct LeSample : LeRay { ///< the origin is already offset from an emitting sur
   float pdfPosition = 1;  ///< LePdf::position, but 1 for a delta
   float pdfDirection = 1; ///< LePdf::direction, but 1 for a delta
   /** radiance · cosine / (pdfPosition · pdfDirection) with common factors cancelled; the cosine only for
-   * surfaces. The mean over samples is the light's exact power [W]. */
+   * surfaces. The mean over samples is the light's exact power, without parts that alpha cuts out [W]. */
   Rgb flux;
 };
 
@@ -72,7 +72,7 @@ struct LiSample {
   Vec3f direction;    ///< unit, towards the light
   Vec3f target;       ///< point on the light to be tested for visibility; the lit point for infinite lights
   float distance = 0; ///< to the target [scene units]; infinite for distant and environment lights
-  Rgb radiance;  ///< incident radiance [W/(m² sr)]; of POINT and DISTANT: irradiance across the ray [W/m²]
+  Rgb radiance;  ///< incident [W/(m² sr)]; POINT and DISTANT: irradiance perpendicular to the ray [W/m²]
   float pdf = 0; ///< density [1/sr]; 1 for POINT and DISTANT
   bool unhittable = false; ///< true: BSDF sampling cannot find the light, since no ray hits it
   Vec3f normal{0};         ///< LeRay::normal at the target
@@ -93,6 +93,7 @@ struct SceneBounds {
   float pdfDisc() const { return 1 / (PI * square(radius)); }
 };
 
+/** Light of a scene. Immutable after prepare(): any thread may then call it. */
 class Light {
  public:
   virtual ~Light() = default;
@@ -102,7 +103,8 @@ class Light {
   bool isInfinite() const { return recurse::isInfinite(kind()); }
   /** Whether rays can hit the light. */
   virtual bool isIntersectable() const { return !isDelta(); }
-  /** Sets the bounds of the scene; called once before any other function. */
+  /** Sets the bounds of the scene. Called once, before power(), samples and densities; kind() may be called
+   * earlier. */
   virtual void prepare(const SceneBounds&) {}
   /** Emitted flux [W]; for infinite lights, the flux that enters the scene's bounding sphere. Parts that
    * alpha cuts out are included, and transforms with different scales by direction make it approximate. */
@@ -112,8 +114,8 @@ class Light {
   /** Densities of the ray in sampleLe(). */
   virtual LePdf pdfLe(const LeRay& ray) const = 0;
   /** LeSample::radiance for a different unit direction from the same point, on the same side of a surface;
-   * for finite lights. By default constant over the directions of nonzero density for area lights, which may
-   * override it. */
+   * for finite lights. By default black where pdfLe() has no density of the direction; else for area lights
+   * the radiance of the sample, and for POINT the intensity that follows from sampleLiAt(). */
   virtual Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const;
   /** Light sample at a point by numbers in [0, 1), without a visibility test. Empty: none. */
   virtual std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const = 0;
@@ -127,6 +129,7 @@ class Light {
 /** Light on a surface. */
 class AreaLight : public Light {
  public:
+  /** The shape must outlive the light, and already have its alpha. */
   explicit AreaLight(const Shape& shape) : shapeOfLight(shape) {
     if (const TexturedRgb* a = shape.alpha.get()) {
       unseen = !a->texture && a->constant.r <= 0;

@@ -15,7 +15,7 @@ namespace recurse {
 /** Properties of a medium at a point. */
 struct MediumPoint {
   Rgb absorption{0}, scattering{0}; ///< coefficients [1/length]
-  Rgb emission{0};                  ///< emitted radiance per unit of length
+  Rgb emission{0};                  ///< emitted radiance per length [W/(m² sr) / scene unit]
 
   Rgb extinction() const { return absorption + scattering; }
 };
@@ -73,13 +73,14 @@ class MajorantSegments {
   Vec3f nextT{0}, deltaT{0};
 };
 
+/** Medium of a scene. Immutable; any thread may call it. */
 class Medium {
  public:
   virtual ~Medium() = default;
   /** Properties at a position in the scene. */
   virtual MediumPoint at(const Vec3f& position) const = 0;
-  /** Majorants along a ray of unit direction, up to `end`. The medium is absent where there is no
-   * segment. */
+  /** Majorants along a ray of unit direction, from its origin to the distance `end` [scene units], which may
+   * be infinite. The medium is absent where there is no segment, and must outlive the result. */
   virtual MajorantSegments segments(const Ray& ray, float end) const = 0;
   /** True where the medium is constant: transmittance is analytic, and the majorant is the extinction. */
   virtual bool isHomogeneous() const { return false; }

@@ -21,7 +21,9 @@ class Integrator; // transport/integrator/integrator.h
 /** Settings of the Accelerator directive, which has no effect: Embree builds the tree. */
 struct AcceleratorSettings {};
 
-/** Registries by kind. A registry's text is the directive that names its plug-ins, for messages. */
+/** Registries by kind; a registry's text is the directive that names its plug-ins, for messages. The file of
+ * a plug-in defines `void registerNAME(PlugIns&)`, and the list names NAME. The makers of a scene are called
+ * by one thread. Afterwards several threads call the const functions of a plug-in at the same time. */
 struct PlugIns {
   Registry<Shape, ShapeContext> shapes{"Shape"};
   Registry<SceneImport, ImportContext> imports{"Shape (files)"};

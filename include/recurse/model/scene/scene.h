@@ -26,7 +26,8 @@ namespace recurse {
 
 class KeptParts;
 
-/** Intersection of a ray with the scene. */
+/** Intersection of a ray with the scene. Of the point, queries set what Shape::surfaceAt() sets, and the
+ * time. */
 struct Hit {
   SurfacePoint point;
   float t = 0;                          ///< distance along the ray [scene units]
@@ -39,7 +40,8 @@ struct Hit {
   uint32_t object = 0;                  ///< see Scene::objectName()
 };
 
-/** Shape at rest that belongs to no instance or emits; each instance has its own emitting shapes. */
+/** Shape at rest, outside of instances. Emitting shapes of instances at rest are included, once for each
+ * instance. */
 struct SceneShape {
   const Shape* shape = nullptr;
   const Material* material = nullptr; ///< null: no scattering, unless Shape::componentMaterials() has others
@@ -118,11 +120,13 @@ struct SceneContents {
   LobeSet lobes = NO_LOBE;
 };
 
+/** Scene. Any thread may call its functions; queries of rays throw Interrupted (see checkInterrupted()). */
 class Scene {
  public:
   virtual ~Scene() = default;
 
-  /** Finds the nearest surface along the ray. Returns false for a miss. */
+  /** Finds the nearest surface that scatters, emits or bounds a medium, up to ray.tMax. Returns false for
+   * a miss, and then leaves the hit unchanged. */
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
   /** Partial intersect(): of hit.point, only position, error and geometric normal are set. */
   virtual bool intersectPosition(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }

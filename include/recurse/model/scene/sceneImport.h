@@ -27,7 +27,7 @@ struct SceneImport {
   MemoryFiles files;                  ///< by their names in the text
   std::vector<std::string> filesRead; ///< paths of all sources: the model, and files beside it
   std::vector<ImportedCamera> cameras;
-  const ImportedCamera* chosen = nullptr;  ///< one of `cameras`, by the parameter "camera"; null: none
+  const ImportedCamera* chosen = nullptr;  ///< into `cameras`, by the parameter "camera"; null: none
   Bounds3d bounds;                         ///< of all shapes, in the space of `text`
   Vec3d up{0, 1, 0}, front{0, 0, 1};       ///< directions that the model's top and front face, unit
   bool isInterior = false;                 ///< true: the model is viewed from inside
@@ -47,8 +47,8 @@ class ImportWriter {
   ImportWriter(SceneImport& import, const ImportContext& context) : import(import), context(context) {}
 
   void line(const std::string& directives) { import.text += directives + "\n"; }
-  /** New unique name for a material, texture or object of this import: the prefix, and the first 64
-   * characters of `hint` with unusual ones as '_'. */
+  /** New unique name for a material, texture or object of this import: the prefix, the first 64 bytes of
+   * `hint` with all but letters, digits, '.' and '-' as '_', and a number where it is repeated. */
   std::string uniqueName(const std::string& hint);
   /** Adds a file; returns its unique name for the text, derived from `hint` with its extension. */
   std::string addFile(const std::string& hint, std::string content);
@@ -72,8 +72,8 @@ class ImportWriter {
   std::map<std::string, int> used; ///< names, with the number of the last repetition
 };
 
-/** Scene-file text of a value: numbers with as many digits as identify them; names in quotes, with invalid
- * characters as '_'. */
+/** Scene-file text of a value. Numbers have as many digits as identify them. Names are in quotes, with
+ * quotes, backslashes and control characters as '_'. */
 std::string sceneText(double number);
 std::string sceneText(const Vec3d& v);
 std::string sceneText(const Mat4d& m); ///< column by column, in brackets

@@ -31,7 +31,8 @@ struct Footprint {
   float width = 0; ///< across the ray [scene units]; 0: unknown, a point
 };
 
-/** Point of a surface with its shading data. */
+/** Point of a surface with its shading data. Shapes set the geometry, queries of the scene the time, and
+ * walks footprint, indexOutside, wavelength and isWhite. */
 struct SurfacePoint {
   Vec3f position;
   Vec3f error;           ///< bound on the absolute error of the position, by axis [scene units]
@@ -120,7 +121,8 @@ struct RimPiece {
   Vec3f inner; ///< point of the surface near the piece
 };
 
-/** Shape with its transforms applied: all data are in the space of the scene (or of its instance). */
+/** Shape with its transforms applied: all data are in the space of the scene (or of its instance). Immutable
+ * once alpha is set; any thread may call it. */
 class Shape {
  public:
   virtual ~Shape() = default;
@@ -128,24 +130,25 @@ class Shape {
   virtual uint32_t primitiveCount() const = 0;
   /** Bounding box of a primitive, including rounding errors. */
   virtual Bounds3f bounds(uint32_t primitive) const = 0;
-  /** Nearest intersection with tMin < t < tMax by a ray with a unit direction. Not called for triangle meshes
-   * and curves, which Embree intersects. */
+  /** Nearest intersection with tMin < t < tMax by a ray with a unit direction; empty: none. Alpha is left to
+   * the caller. Not called for triangle meshes and curves, which Embree intersects. */
   virtual std::optional<PrimitiveHit> intersect(uint32_t primitive, const Vec3f& origin,
                                                 const Vec3f& direction, float tMin, float tMax) const = 0;
-  /** Surface at a hit; for triangles u and v are the barycentric coordinates of the second and third
-   * vertex. */
+  /** Surface at a hit: position, error, normals, derivatives, uv, crossTangent and curve. For triangles the
+   * parameters u and v are the barycentric coordinates of the second and third vertex. */
   virtual SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const = 0;
   /** Partial surfaceAt(): only position, error and geometric normal. */
   virtual SurfacePoint placeAt(uint32_t primitive, const HitParameters& parameters) const {
     return surfaceAt(primitive, parameters);
   }
 
-  /** False for surfaces without area sampling: these cannot be lights, and area() to pdfDirection() are not
-   * called. */
+  /** False for surfaces without area sampling: these cannot be lights, and sampleArea() to pdfDirection() are
+   * not called; area() only where faceCount() > 0. */
   virtual bool canBeSampled() const { return true; }
+  /** Area of all primitives, with parts that alpha cuts out [scene units²]. */
   virtual float area() const = 0;
-  /** Samples a point of the whole shape; pdf by area. `pick`, in [0, 1), chooses the primitive. A pdf of 0
-   * means no point: densities integrate to the probability that there is one. */
+  /** Samples a point of the whole shape by u in [0, 1)²; pdf by area. `pick`, in [0, 1), chooses the
+   * primitive. A pdf of 0 means no point: densities integrate to the probability that there is one. */
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
   /** Density of sampleArea() at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
@@ -221,7 +224,8 @@ class ShapeLookup {
                                              const std::string& name, const ShapeContext& context) = 0;
 };
 
-/** Arguments of makers of shapes besides parameters. */
+/** Arguments of makers of shapes besides parameters. Pointers are valid during construction only, except the
+ * one to the material, which belongs to the scene. */
 struct ShapeContext {
   Mat4d sceneFromObject{1}; ///< transform of the file, followed by the recentring of the scene
   bool reverseOrientation = false;

@@ -8,10 +8,12 @@
 
 namespace recurse {
 
-/** Colour that varies over surfaces. Float textures return grey. */
+/** Colour that varies over surfaces. Float textures return grey. Immutable; any thread may call it. */
 class Texture {
  public:
   virtual ~Texture() = default;
+  /** Linear value at a point, not clamped. Filtered over the point's footprint, which alpha and displacement
+   * leave unknown. */
   virtual Rgb value(const SurfacePoint& point) const = 0;
 };
 
@@ -26,7 +28,7 @@ struct TexturedRgb {
   }
 };
 
-/** Lookup of textures by name during the construction of materials. */
+/** Lookup of textures by name, valid during construction only. The scene owns the textures. */
 class TextureLookup {
  public:
   virtual ~TextureLookup() = default;
@@ -46,12 +48,13 @@ struct TextureContext {
   bool spectrum = true;      ///< false: a float texture, which gives grey
   Mat4d worldFromTexture{1}; ///< as in the file
   const Vec3d* sceneOrigin =
-      nullptr; ///< subtracted from world positions, known once the scene is built; null: nothing
+      nullptr; ///< world coordinates of the scene's origin; set later, so read it in value(); null: zero
 
   /** Value of a parameter declared by textureValue(), of the texture's kind. Throws SceneError for a colour
    * in a float texture, and for a negative constant in a spectrum texture. */
   TexturedRgb value(const Parameters& parameters, const std::string& name) const;
-  /** Throws SceneError unless the texture has the only kind that this class supports. */
+  /** Throws SceneError unless the texture is of the only supported kind: a spectrum texture if `spectrum`,
+   * else a float texture. */
   void requireKind(const Parameters& parameters, bool spectrum) const;
 };
 

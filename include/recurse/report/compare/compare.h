@@ -38,8 +38,9 @@ struct ClassError {
 };
 
 /**
- * Error measures of x against a reference r, over R, G and B. Pixels where r is not finite are omitted.
- * Pixels where only x is not finite are omitted as well, and counted: a picture with any of them has failed.
+ * Error measures of x against a reference r, over R, G and B. Pixels where any reference is not finite are
+ * omitted. Pixels where only x is not finite are omitted as well, and counted: a picture with any of them has
+ * failed.
  */
 struct Comparison {
   size_t pixels = 0;             ///< pixels compared

@@ -25,7 +25,8 @@ struct References {
 };
 
 /** References from one picture; from two independent ones, with r as their mean; or from r and two
- * independent ones. Throws Error where sizes differ, or pixels are not finite. */
+ * independent ones, in this order. Throws Error for other numbers of images, where sizes differ, and for
+ * pixels that are not finite. */
 References makeReferences(const std::vector<Image>& images, const std::vector<std::string>& names);
 
 /** Number with its 95 % confidence interval; NaN where unknown. */
@@ -150,7 +151,7 @@ struct TimeToReach {
     BEYOND,  ///< extrapolated from the last point by the fitted exponent, at most tenfold in time
     NEVER    ///< neither measured nor extrapolated
   } kind = Kind::NEVER;
-  double seconds = 0;
+  double seconds = 0; ///< BEFORE: time of the first point; NEVER: 0
   std::string text() const;
 };
 TimeToReach timeToReach(const Curve& curve, double error);

@@ -25,9 +25,14 @@ struct SampledSpectrum; // spectrum.h
 struct ParameterSpec {
   ParameterType type = ParameterType::REAL;
   std::string name;
-  std::string defaultText; ///< the values of the default as written in a scene file; empty: none
+  /** The values of the default as written in a scene file; empty: none. A spectrum of one number is of type
+   * float, of three rgb, else spectrum, unless it begins with one of the words float, rgb, blackbody,
+   * spectrum. */
+  std::string defaultText;
   std::string description; ///< one line, with the unit
-  double minimum = -std::numeric_limits<double>::infinity(); ///< of every number
+  /** Of every number as written. For a spectrum that is not SIGNED, no minimum means 0; for ALBEDO, no
+   * maximum means 1. */
+  double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   bool minimumExcluded = false;
   int count = 1;         ///< number of values (points, colours) required; 0: any number above 0
@@ -86,10 +91,10 @@ ParameterSpec arrayParameter(ParameterType type, const std::string& name, int co
 ParameterSpec ignoredParameter(ParameterType type, const std::string& name, const std::string& why);
 
 /**
- * Checked parameters of one use of a plug-in. All numbers are finite. Reading an undeclared name is a
- * programming error and throws std::logic_error. Getters throw SceneError with the location for a parameter
- * without a value, and for errors that can only be found when the value is used; `fail` is for the plug-in's
- * own checks.
+ * Checked parameters of one use of a plug-in. All numbers are finite, also as floats. Reading an undeclared
+ * name, or a value as another type than declared, is a programming error and throws std::logic_error. Getters
+ * throw SceneError with the location for a parameter without a value or with a texture, and for errors that
+ * can only be found when the value is used, such as missing files. `fail` is for the plug-in's own checks.
  */
 class Parameters {
  public:
@@ -104,7 +109,8 @@ class Parameters {
   int integer(const std::string& name) const;
   double real(const std::string& name) const;
   std::string string(const std::string& name) const;
-  /** Colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
+  /** Colour in linear Rec. 709 of a number (grey), rgb, blackbody, named or sampled spectrum. Blackbody and
+   * sampled spectra are converted by the declared kind; their colours may leave the declared range. */
   Rgbd spectrum(const std::string& name) const;
   /** Spectrum by wavelength [nm], where it was given so: samples, a file of samples, or a named glass.
    * Otherwise it has no samples. */

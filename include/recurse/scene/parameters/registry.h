@@ -24,6 +24,7 @@ struct PlugInInfo {
 
 /** Plug-in of interface I, made from parameters and a `Context` that is specific to the interface. */
 template <class I, class Context> struct PlugIn : PlugInInfo {
+  /** Maker. Throws SceneError, by Parameters::fail(), for values that cannot be used. */
   std::function<std::unique_ptr<I>(const Parameters&, const Context&)> make;
 };
 

@@ -27,8 +27,8 @@ struct SampledSpectrum {
 
 /** Colour of a spectrum by its use, as defined above. */
 Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind);
-/** Colour by Planck's law for a temperature [K]; black for none above 0. Unless it is an emission, the
- * spectrum is scaled to a maximum of 1. */
+/** Colour by Planck's law for a temperature [K]; black unless it is above 0. An emission has luminance 1; the
+ * spectrum of any other kind is scaled to a maximum of 1 over all wavelengths. */
 Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind);
 /** Colour of one of pbrt's named spectra: refractive indices at a wavelength for each component, illuminants
  * of luminance 1; empty for an unknown name. */

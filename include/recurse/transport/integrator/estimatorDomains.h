@@ -36,9 +36,9 @@ struct DomainReport {
   std::string text() const;
 };
 
-/** Compares the domains with each other and with the paths that they should cover. An `onlyPanes`
- * estimator covers none.
- * Throws Error naming the estimator for an expression that does not compile. */
+/** Compares the domains with each other and with the paths of the expression `covers`. An `onlyPanes`
+ * estimator covers no path, but its overlaps are faults too. Throws Error naming the estimator for an
+ * expression that does not compile. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
 
 /** Expression of the paths from delta lights that no estimator finds, or one such path; empty where all are

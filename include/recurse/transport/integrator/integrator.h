@@ -270,7 +270,8 @@ struct RadiosityPatch {
 class Integrator {
  public:
   virtual ~Integrator() = default;
-  /** Called once, before the first pass. Throws Error when it cannot render the scene. */
+  /** Called once, before the first pass; passes() and the functions `supports...` may be called earlier.
+   * Throws Error when it cannot render the scene. */
   virtual void prepare(const Scene&, const PathClasses&) {}
   /** Schedule of forward() for this number of samples of each pixel; 0: unlimited. */
   virtual Passes passes(int /*samplesPerPixel*/) const { return Passes::oneMap(); }
@@ -280,12 +281,13 @@ class Integrator {
   virtual uint64_t photonsEmitted(const Scene&) const { return 0; }
   /** Whether the camera rays of a pass have the time of its photons, so that no estimate mixes times. */
   virtual bool passHasOneTime() const { return false; }
-  /** Runs the forward pass. A pass depends on no other pass but the first, which is always run. */
+  /** Runs the forward pass, never at the same time as backward(). Its result must depend only on the pass and
+   * on the first one, which is always run before. */
   virtual ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) {
     return {};
   }
-  /** Adds an estimate of the radiance along a camera ray to `out`, without CameraRay::weight. May be called
-   * from any thread for any pixel. */
+  /** Adds an estimate of the radiance along a camera ray to `out`, without CameraRay::weight. Several threads
+   * call it at the same time, each with a sampler and an `out` of its own. */
   virtual void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                         PathRadiance& out) const = 0;
   /** Estimates several camera paths with the same classes. Each result is identical to the result of
