@@ -109,8 +109,11 @@ std::string ImportWriter::addFile(const std::string& hint, std::string content) 
   const std::string stem = cleaned(path.stem().string().substr(0, 64), '-'),
                     extension = cleaned(lowerCase(path.extension().string()).substr(0, 16), '.');
   std::string name;
-  for (int i = 1; name.empty() || import.files.contains(name); ++i)
-    name = context.folder + stem + (i > 1 ? "_" + std::to_string(i) : "") + extension;
+  for (int i = 1; name.empty() || import.files.contains(name); ++i) {
+    name = context.folder + stem;
+    if (i > 1) name.append("_").append(std::to_string(i));
+    name += extension;
+  }
   import.files[name] = std::make_shared<const std::string>(std::move(content));
   return name;
 }
