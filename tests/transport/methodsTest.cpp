@@ -206,16 +206,15 @@ TEST(Methods, VirtualLightsAreDarkInCornersUnlessCompensated) {
   const auto means = [&](const std::string& more) {
     return classMeans(*scene, {"vpl", few + more}, two, samples(32), 8);
   };
-  const double clamped = means(" \"float clampdistance\" 1 \"bool compensate\" false").mean(1);
-  // Sanitizers have too few light paths to know how far they err.
-  if (!SANITIZED) {
-    EXPECT_LT(clamped, 0.9 * truth.mean(1));
-  }
+  const BatchMeans clamped = means(" \"float clampdistance\" 1 \"bool compensate\" false");
+  // Sanitizers have few light paths.
+  const double vague = SANITIZED ? 4 * std::hypot(clamped.standardError(1), truth.standardError(1)) : 0;
+  EXPECT_LT(clamped.mean(1), 0.9 * truth.mean(1) + vague);
   for (const char* distance : {"0", ".3", "1", "3"}) {
     const BatchMeans bounded = means(std::string(" \"float clampdistance\" ") + distance);
-    if (SANITIZED) continue;
+    if (SANITIZED) continue; // too few light paths to know how far they err
     const double error = std::hypot(bounded.standardError(1), truth.standardError(1));
     EXPECT_NEAR(bounded.mean(1), truth.mean(1), ERRORS_APART * error) << distance;
-    EXPECT_LT(error, 0.03 * truth.mean(1)) << distance;
+    EXPECT_LT(error, (SANITIZED ? 0.1 : 0.03) * truth.mean(1)) << distance;
   }
 }

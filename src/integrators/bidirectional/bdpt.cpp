@@ -26,9 +26,7 @@ void registerBdpt(PlugIns& plugIns) {
                        integerParameter("lightpaths", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9),
-                       booleanParameter("guided", "false",
-                                        "learn which starts of light paths reach what the camera sees; helps "
-                                        "where light enters through small openings or from a far lamp"),
+                       guidedStartsParameter(),
                        ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
                        ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
                                         "only the final picture is written"),

@@ -31,6 +31,12 @@ constexpr double MERGE_PIXELS = 1.5;
 
 } // namespace
 
+ParameterSpec guidedStartsParameter() {
+  return booleanParameter("guided", "false",
+                          "learn which starts of light paths reach what the camera sees; helps "
+                          "where light enters through small openings or from a far lamp");
+}
+
 void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
   if (settings.shadowRays) lights.learn(scene);
   lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
@@ -181,15 +187,15 @@ class Bidirectional::LightWalk {
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
   ForwardStatistics statistics;
+  radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
+  subpaths.clear();
+  photonVertices.clear();
+  if (lightPaths == 0) return statistics;
   if (settings.guided && pass.index == 0) {
     const ProcessorTimer timer(statistics.learningSeconds);
     starts = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
   }
   const auto start = std::chrono::steady_clock::now();
-  radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
-  subpaths.clear();
-  photonVertices.clear();
-  if (lightPaths == 0) return statistics;
   const auto count = static_cast<uint64_t>(lightPaths);
   const size_t batches = (count + BATCH - 1) / BATCH;
   std::vector<LightSubpaths> parts(batches);

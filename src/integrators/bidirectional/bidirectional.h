@@ -5,6 +5,7 @@
 #pragma once
 
 #include "integrators/bidirectional/lightSubpaths.h"
+#include "recurse/scene/parameters/parameters.h"
 #include "transport/photonmap/photonMap.h"
 
 namespace recurse {
@@ -19,6 +20,9 @@ struct BidirectionalSettings {
   bool correlated = true; ///< weights account for the correlation of merged photons
   bool guided = false;    ///< light paths start by a learned mixture
 };
+
+/** Parameter "guided" of bidirectional integrators. */
+ParameterSpec guidedStartsParameter();
 
 /** Bidirectional integrator. Each pass has its own light paths and serves one sample of each pixel. */
 class Bidirectional : public Integrator {
@@ -48,6 +52,12 @@ class Bidirectional : public Integrator {
     uint32_t path, number; ///< number 1 is the vertex next to the light
   };
 
+  /** Starts of the light paths. */
+  EmissionSettings emission() const {
+    EmissionSettings settings;
+    settings.mixture = &starts;
+    return settings;
+  }
   void buildPhotons();
   bool keepsLightPaths() const { return settings.connections || settings.merges; }
   /** Merge radius of a path whose first non-delta vertex has this pixel footprint [scene units]. */
@@ -64,7 +74,7 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
-  EmissionMixture starts; ///< starts of the light paths
+  EmissionMixture starts; ///< not active unless `guided`
   double lightPaths = 0;  ///< number in each pass
   bool splatted = false;  ///< light paths are connected to the camera
   // State of the current pass:

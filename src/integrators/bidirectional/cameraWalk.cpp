@@ -137,7 +137,7 @@ class Bidirectional::CameraWalk {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
     if (vertices.size() > 1) {
-      const LightEnd end = lightEnd(scene, owner.starts, index, ray, last);
+      const LightEnd end = lightEnd(scene, owner.emission(), index, ray, last);
       copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
@@ -189,7 +189,7 @@ class Bidirectional::CameraWalk {
       start.lastPane = &pane;
     }
     const LightEnd end =
-        lightEnd(scene, owner.starts, choice.chosen.index, sample->emitted(), *start.lastPane);
+        lightEnd(scene, owner.emission(), choice.chosen.index, sample->emitted(), *start.lastPane);
     x.back().fromLight = end.pdfNext;
     x.push_back({next * directionToEnd(end, start.lastPane->position), end.pdf});
     const WeightedPath full = weighted(end, start);

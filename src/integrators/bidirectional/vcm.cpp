@@ -34,9 +34,7 @@ void registerVcm(PlugIns& plugIns) {
                                      "reduction of the radius: that of pass i is about i^((alpha-1)/2) times "
                                      "the first; between 0 (fastest) and 1 (constant)")
                            .range(0.01, 1),
-                       booleanParameter("guided", "false",
-                                        "learn which starts of light paths reach what the camera sees; helps "
-                                        "where light enters through small openings or from a far lamp"),
+                       guidedStartsParameter(),
                        booleanParameter("correlated", "true",
                                         "MIS weights include the correlation of merges that share photons; "
                                         "false: the weights of Georgiev et al. 2012")},

@@ -89,10 +89,20 @@ std::string findModelFile(const std::string& directory, const std::string& name)
 
 // ---- ImportWriter
 
+namespace {
+
+/** The first `limit` bytes of a name, with all but ASCII letters, digits and `allowed` as '_'. */
+std::string cleaned(const std::string& name, size_t limit, std::string_view allowed) {
+  std::string clean = name.substr(0, limit);
+  for (char& c : clean)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && allowed.find(c) == std::string_view::npos) c = '_';
+  return clean;
+}
+
+} // namespace
+
 std::string ImportWriter::uniqueName(const std::string& hint) {
-  std::string clean;
-  for (const char c : hint.substr(0, 64))
-    clean += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' ? c : '_';
+  const std::string clean = cleaned(hint, 64, ".-");
   std::string name = clean;
   while (used.contains(name)) name = clean + "_" + std::to_string(++used[clean]);
   used[name] = 1;
@@ -101,13 +111,8 @@ std::string ImportWriter::uniqueName(const std::string& hint) {
 
 std::string ImportWriter::addFile(const std::string& hint, std::string content) {
   const fs::path path(hint);
-  const auto cleaned = [](std::string text, char allowed) {
-    for (char& c : text)
-      if (!std::isalnum(static_cast<unsigned char>(c)) && c != allowed) c = '_';
-    return text;
-  };
-  const std::string stem = cleaned(path.stem().string().substr(0, 64), '-'),
-                    extension = cleaned(lowerCase(path.extension().string()).substr(0, 16), '.');
+  const std::string stem = cleaned(path.stem().string(), 64, "-"),
+                    extension = cleaned(lowerCase(path.extension().string()), 16, ".");
   std::string name;
   for (int i = 1; name.empty() || import.files.contains(name); ++i) {
     name = context.folder + stem;

@@ -64,7 +64,8 @@ struct Neighbourhood {
 Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRegion& region,
                                  Sampler& sampler, TransportCounts& counts);
 
-/** Geometry known to an estimate around its point. coveredFraction() probes what is missing. */
+/** Geometry around the point of a density estimate, as far as it is known. coveredFraction() probes the
+ * rest. */
 struct BoundaryCorrection {
   const Scene& scene;
   Sampler sampler;                      ///< random numbers of the probe rays

@@ -11,8 +11,8 @@
 
 namespace recurse {
 
-/** Last vertex of a camera path that has left the scene, or a point where its last segment crosses those of
- * other such paths. */
+/** Point through which environment light may enter: the last vertex of a camera path that leaves the scene,
+ * or a crossing of the last segments of such paths. */
 struct CameraExit {
   Vec3f position;
   float weight;    ///< throughput of the path, at most 1

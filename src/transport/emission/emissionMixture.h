@@ -12,6 +12,8 @@
 
 namespace recurse {
 
+class EmissiveMedia;
+
 /**
  * A finite light samples a point on itself, and then a direction by its own sampling or in the cone around a
  * box. An infinite light samples a direction, and then an origin on the whole disc of the scene or on the
@@ -52,8 +54,8 @@ class EmissionMixture {
   void adapt(const Moments& moments);
   /** Fraction of the light paths that start through boxes. */
   double boxPart() const;
-  /** Whether a finite light is so far from most camera vertices that rays from there rarely hit it; false
-   * unless active(). */
+  /** Whether a finite light is so far from most vertices of camera paths that their rays rarely hit it. False
+   * without a learned mixture. */
   bool isFar(uint32_t light) const;
 
  private:
@@ -86,6 +88,22 @@ class EmissionMixture {
   std::vector<uint32_t> groupOfLight;
   std::vector<double> powerShares; ///< probabilities of the lights by power
   LightTable table;
+};
+
+/** Settings of the starts of light paths. By default every light emits by its own sampling, and lights are
+ * chosen by power. */
+struct EmissionSettings {
+  const EmissionMixture* mixture = nullptr; ///< learned emission; null: none
+  const EmissiveMedia* media = nullptr;     ///< emissive media besides the lights; null: none
+  uint16_t outside = 0;                     ///< index of the medium where paths of infinite lights start
+  Rgb outsideTransmittance{1};              ///< transmittance from the infinite lights to those starts
+
+  bool isMixed() const { return mixture && mixture->active(); }
+  const LightTable& table(const Scene& scene) const { return isMixed() ? mixture->lights() : scene.lights(); }
+  /** Densities with which a ray of the light with this index starts. */
+  LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
+    return isMixed() ? mixture->pdfLe(index, ray) : light.pdfLe(ray);
+  }
 };
 
 } // namespace recurse

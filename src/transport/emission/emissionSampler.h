@@ -12,28 +12,12 @@
 
 namespace recurse {
 
-/** Settings of the starts of light paths. By default every light emits by its own sampling, and lights are
- * chosen by power. */
-struct EmissionSettings {
-  const EmissionMixture* mixture = nullptr; ///< learned emission; null: none
-  const EmissiveMedia* media = nullptr;     ///< emissive media besides the lights; null: none
-  uint16_t outside = 0;                     ///< index of the medium where paths of infinite lights start
-  Rgb outsideTransmittance{1};              ///< transmittance from the infinite lights to those starts
-
-  bool isMixed() const { return mixture && mixture->active(); }
-  const LightTable& table(const Scene& scene) const { return isMixed() ? mixture->lights() : scene.lights(); }
-  /** Densities with which a ray of the light with this index starts. */
-  LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
-    return isMixed() ? mixture->pdfLe(index, ray) : light.pdfLe(ray);
-  }
-};
-
 /** Start of a light path. */
 struct LightStart {
   LightSubpath path;     ///< throughput: flux of the light over the density of the start [W]
   LightEnd end;          ///< `light` is null for a medium; pdfNext depends on the first vertex and is not set
   LePdf pdf;             ///< densities of the ray; 1 for a delta, as in LeSample; 0 for a medium
-  float probability = 0; ///< of the choice among the lights; 0 for a medium
+  float probability = 0; ///< probability with which the light was chosen; 0 if a medium emits
 };
 
 /** Samples the starts of light paths. */

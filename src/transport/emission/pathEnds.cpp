@@ -16,12 +16,11 @@ LightGeometry LightEnd::geometry() const {
   return isInfinite() ? LightGeometry::INFINITE : LightGeometry::SURFACE;
 }
 
-LightEnd lightEnd(const Scene& scene, const EmissionMixture& mixture, uint32_t index, const LeRay& ray,
+LightEnd lightEnd(const Scene& scene, const EmissionSettings& emission, uint32_t index, const LeRay& ray,
                   const SurfacePoint& next) {
-  const bool isMixed = mixture.active();
-  const LightTable& lights = isMixed ? mixture.lights() : scene.lights();
+  const LightTable& lights = emission.table(scene);
   LightEnd end{&lights[index], index, ray};
-  const LePdf p = isMixed ? mixture.pdfLe(index, ray) : end.light->pdfLe(ray);
+  const LePdf p = emission.pdfLe(index, *end.light, ray);
   const double position = p.deltaPosition ? 1 : double(p.position);
   const double direction = p.deltaDirection ? 1 : double(p.direction);
   const double pick = double(lights.probability(index));

@@ -26,9 +26,9 @@ struct LightEnd {
   LightGeometry geometry() const;
 };
 
-/** The end of a path that reaches `next` from the light along the ray. `mixture`: starts of the light paths;
- * those of the lights' own sampling if it is not active. */
-LightEnd lightEnd(const Scene& scene, const EmissionMixture& mixture, uint32_t index, const LeRay& ray,
+/** End of a path that reaches `next` from the light along the ray, with the densities of light paths that
+ * start as `emission` says. */
+LightEnd lightEnd(const Scene& scene, const EmissionSettings& emission, uint32_t index, const LeRay& ray,
                   const SurfacePoint& next);
 
 /** Factor from a density of directions at `from` to the density of the end: 1 unless it is an area light. */

@@ -86,7 +86,7 @@ template <class State> struct PathVertex {
   double pdfReverse(const Vec3f& wo) const {
     return double(scattering->pdf(wo, wi, ALL_LOBES, WalkSide<State>::REVERSE));
   }
-  /** The same as a density of the previous vertex. */
+  /** Density per area with which such a walk samples the previous vertex. */
   double pdfPrevious(const Vec3f& wo) const { return pdfReverse(wo) * toPrevious; }
 };
 

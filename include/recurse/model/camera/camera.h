@@ -139,7 +139,7 @@ struct FilmSettings {
   PixelBounds crop = whole(); ///< pixels that are rendered
   /** All pixels: learning uses these, so that a crop is a part of the same image. */
   PixelBounds whole() const { return {0, 0, width, height}; }
-  std::string fileName;    ///< of the picture, unless the command line names one
+  std::string fileName;    ///< file of the picture; the command line may replace it
   float imagingRatio = 1;  ///< pbrt's exposuretime · iso / 100; in a scene, times Camera::exposureTime()
   double diagonal = 0.035; ///< of a physical film, for cameras with a lens system [m]
   /** Limit of X, Y and Z of a camera path, each times imagingRatio, before white balance; brighter ones are

@@ -30,8 +30,8 @@ struct ParameterSpec {
    * spectrum. */
   std::string defaultText;
   std::string description; ///< one line, with the unit
-  /** Of every number as written. For a spectrum that is not SIGNED, no minimum means 0; for ALBEDO, no
-   * maximum means 1. */
+  /** Bounds of every number as written in the scene file. An infinite minimum is 0 for a spectrum that is not
+   * SIGNED, and an infinite maximum is 1 for an ALBEDO. */
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   bool minimumExcluded = false;
