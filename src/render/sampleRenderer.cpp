@@ -110,7 +110,7 @@ class EyeBatch {
       path += !place.seesNothing;
       expose(scene.film(), seen);
       if (recorder) recorder->endSample(seen.total());
-      film.add(place.pixel, place.index, place.weight, seen.values(), seen.total());
+      film.add(place.pixel, place.index, place.weight, seen.values().data(), seen.total());
       if (place.pilot) allocation->addPilot(place.pixel, *place.pilot, luminance(seen.total()));
       ++samplesTaken;
     }

@@ -345,9 +345,7 @@ class PathTracing final : public Integrator {
         w.state = s.specular() ? v.cameraS : v.cameraD;
         w.etaScale *= square(s.eta) * s.rouletteScale;
         w.optical.scatter(s.eta);
-        if (w.depth > ROULETTE_FREE_DEPTH && !russianRoulette(maxComponent(w.throughput) * w.etaScale,
-                                                              w.depth, w.camera->sampler, w.throughput))
-          continue;
+        if (!cameraRoulette(w.etaScale, w.depth, w.camera->sampler, w.throughput)) continue;
         if (!passesPane(scene, *v.scattering, s)) {
           w.bsdfRay.from = v.context;
           w.bsdfRay.pdf = s.pdf;
@@ -391,8 +389,6 @@ class PathTracing final : public Integrator {
     Raw<std::optional<Scatter>> scatters;
   };
 
-  /** Number of scattering events before Russian roulette begins. */
-  static constexpr int ROULETTE_FREE_DEPTH = 2;
   /** Guide of the current pass; null where nothing was learned. */
   const GuideField* activeGuide() const { return training.guide(); }
 

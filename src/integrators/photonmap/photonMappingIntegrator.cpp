@@ -217,9 +217,11 @@ void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const 
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
-  const float worth = maxComponent(path.walk.throughput) * path.walk.etaScale * path.remainingWeight;
-  const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
-  return russianRoulette(std::min(1.0f, chance), path.walk.depth, sampler, path.walk.throughput);
+  Rgb& throughput = path.walk.throughput;
+  if (path.nonDelta >= FREE)
+    return cameraRoulette(path.walk.etaScale, path.walk.depth, sampler, throughput, path.remainingWeight);
+  const float worth = maxComponent(throughput) * path.walk.etaScale * path.remainingWeight;
+  return russianRoulette(std::min(1.0f, worth / settings.weightLimit), path.walk.depth, sampler, throughput);
 }
 
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,

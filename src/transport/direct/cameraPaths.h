@@ -33,7 +33,10 @@ std::vector<Row> followCameraPaths(const Scene& scene, int across, int maxDepth,
       follow(rows[y], path, walker, sampler, rowCounts[y]);
     }
   });
-  for (const TransportCounts& c : rowCounts) counts.add(c);
+  for (TransportCounts& c : rowCounts) {
+    c.truncatedThroughput = 0; // it is not missing in the picture
+    counts.add(c);
+  }
   return rows;
 }
 

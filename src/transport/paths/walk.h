@@ -23,19 +23,38 @@ constexpr int MAX_BRANCHING_DEPTH = 64;
 /** Number of scattering events after which lossless paths, as between perfect mirrors, undergo roulette. */
 constexpr int LOSSLESS_ROULETTE_DEPTH = 512;
 
+/** Loss of a scattering event below which a path counts as lossless. */
+constexpr float NOTHING_LOST = 1e-5f;
+
 /**
  * Russian roulette with survival probability `chance`: returns true to continue, with the weight divided by
  * it. Lossless paths survive n events with probability (512/n)², since a probability below the squared albedo
  * would give infinite variance.
  */
 inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& weight) {
-  constexpr float NOTHING_LOST = 0.99999f;
-  if (length > LOSSLESS_ROULETTE_DEPTH && chance > NOTHING_LOST)
+  if (length > LOSSLESS_ROULETTE_DEPTH && chance > 1 - NOTHING_LOST)
     chance = std::min(chance, 1 - 2 / static_cast<float>(length));
   if (chance >= 1) return true;
   if (!(chance > 0) || sampler.next1D() >= chance) return false;
   weight /= chance;
   return true;
+}
+
+/**
+ * Russian roulette of a camera path of `length` scattering events: it survives the first two, and more down
+ * to a throughput of 1/2, then with a probability proportional to the throughput. A probability equal to the
+ * throughput ends so many paths in bright rooms that light of several bounces comes from few strong ones; and
+ * where light is smooth, roulette at the first events would be most of the noise. `etaScale`: undoes the 1/η²
+ * of radiance inside glass. `left`: fraction of the path's light that other estimates leave to it.
+ */
+inline bool cameraRoulette(float etaScale, int length, Sampler& sampler, Rgb& throughput, float left = 1) {
+  constexpr int FREE = 2;
+  constexpr float CERTAIN = 0.5f;
+  if (length <= FREE) return true;
+  const float worth = maxComponent(throughput) * etaScale * left;
+  if (worth > 1 - NOTHING_LOST * static_cast<float>(length))
+    return russianRoulette(1, length, sampler, throughput);
+  return worth >= CERTAIN || russianRoulette(worth / CERTAIN, length, sampler, throughput);
 }
 
 /** Point at distance t on a ray inside a medium, without a surface. */

@@ -106,7 +106,7 @@ template <class State> class Walker {
 
   /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
    * nullopt if the path ends. At a surface a light path survives by the ratio of its flux to `keptPart`
-   * times the flux on arrival. */
+   * times the flux on arrival, a camera path by its throughput. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler,
                                  float keptPart = 1) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
@@ -115,11 +115,9 @@ template <class State> class Walker {
     const float before = maxComponent(path.throughput);
     applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
-    const float chance =
-        IS_LIGHT ? maxComponent(path.throughput) / (before * keptPart) // keeps fluxes nearly equal
-                 : maxComponent(path.throughput) * path.etaScale;
-    const bool roulette = IS_LIGHT || path.depth > ROULETTE_FREE_DEPTH;
-    if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
+    // The survival of light paths keeps fluxes nearly equal.
+    const float chance = maxComponent(path.throughput) / (before * keptPart);
+    if (!survives(path, chance, sampler)) return {};
     spawnRay(path, vertex, *s);
     return s;
   }
@@ -134,6 +132,11 @@ template <class State> class Walker {
   static constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
   static constexpr bool IS_LIGHT = TRANSPORT == Transport::FLUX;
 
+  /** Russian roulette: light paths survive with probability `chance`, camera paths by their throughput. */
+  static bool survives(Path& path, float chance, Sampler& sampler) {
+    return IS_LIGHT ? russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)
+                    : cameraRoulette(path.etaScale, path.depth, sampler, path.throughput);
+  }
   bool endsByDepth(Path& path) const {
     if (path.depth == maxDepth) {
       if (!IS_LIGHT) counts.truncatedThroughput += double(maxComponent(path.throughput));
@@ -162,11 +165,9 @@ template <class State> class Walker {
     path.pathPdf = spectral.pathPdf;
     path.lightPdf = spectral.lightPdf;
     if (!c.scatters || isBlack(path.throughput)) return false;
-    // Light paths survive by the mean of the channels, which keeps fluxes nearly equal: it is constant where
-    // single channels fluctuate with their densities. Of camera paths the throughput counts, which already
-    // includes all earlier absorption.
-    vertex.survival =
-        IS_LIGHT ? channelSum(path.throughput) / before : maxComponent(path.throughput) * path.etaScale;
+    // The mean of the channels keeps fluxes nearly equal: it is constant where single channels fluctuate with
+    // their densities.
+    vertex.survival = channelSum(path.throughput) / before;
     vertex.medium = medium;
     vertex.hit = Hit();
     vertex.hit.point = pointInMedium(path.ray, c.t);
@@ -193,9 +194,7 @@ template <class State> class Walker {
     s.weight = Rgb(1);
     s.lobe = REFLECTION;
     if (!(s.pdf > 0)) return {};
-    if ((IS_LIGHT || path.depth > ROULETTE_FREE_DEPTH) &&
-        !russianRoulette(std::min(1.0f, vertex.survival), path.depth, sampler, path.throughput))
-      return {};
+    if (!survives(path, vertex.survival, sampler)) return {};
     path.state = vertex.afterD;
     path.delta = false;
     path.pdf = double(s.pdf);
@@ -207,9 +206,6 @@ template <class State> class Walker {
     path.ray = spawn(vertex.hit.point, s.direction);
     return s;
   }
-
-  /** Scattering events of a camera walk without roulette, since short paths carry most of the light. */
-  static constexpr int ROULETTE_FREE_DEPTH = 2;
 
   void arrive(const Path& path, Vertex& vertex, const Bsdf& bsdf) const {
     const SurfacePoint& point = vertex.hit.point;

@@ -46,7 +46,8 @@ class Film {
 
   /** Adds sample `index` of a pixel with its filter weight: `values` has one finite colour for each layer,
    * `total` is their sum without double counting. Calls for different pixels may run at the same time. */
-  void add(size_t pixel, uint32_t index, float weight, const Rgb* values, const Rgb& total) {
+  template <class T>
+  void add(size_t pixel, uint32_t index, float weight, const RgbOf<T>* values, const Rgb& total) {
     LongSum* sum = &sums[pixel * layers * 3];
     for (size_t i = 0; i < layers; ++i)
       for (int c = 0; c < 3; ++c) *sum++ += double(values[i][c]) * double(weight);

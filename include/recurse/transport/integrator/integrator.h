@@ -121,23 +121,24 @@ class Splatter {
 class PathRadiance {
  public:
   PathRadiance(const PathClasses& classes, TransportCounts& counts)
-      : counts(counts), classes(classes), layers(classes.layerCount(), BLACK) {}
+      : counts(counts), classes(classes), layers(classes.layerCount(), Rgbd(0)) {}
 
   void reset() {
-    std::fill(layers.begin(), layers.end(), BLACK);
-    sum = seen = BLACK;
+    std::fill(layers.begin(), layers.end(), Rgbd(0));
+    sum = seen = Rgbd(0);
   }
   /** Replaces all added radiance by `change(colour)`, which must be linear. */
   template <class Change> void transform(const Change& change) {
-    for (Rgb& layer : layers) layer = change(layer);
-    sum = change(sum);
-    seen = change(seen);
+    const auto apply = [&](Rgbd& colour) { colour = Rgbd(change(Rgb(colour))); };
+    for (Rgbd& layer : layers) apply(layer);
+    apply(sum);
+    apply(seen);
   }
   /** Multiplies all added radiance by `factor`. */
   void scale(float factor) {
-    for (Rgb& layer : layers) layer *= factor;
-    sum *= factor;
-    seen *= factor;
+    for (Rgbd& layer : layers) layer *= double(factor);
+    sum *= double(factor);
+    seen *= double(factor);
   }
   /** Adds radiance of the path that consists of these halves; dropped and counted if not finite. `length`:
    * optical length of the whole path [scene units], for transient renders only. */
@@ -150,23 +151,24 @@ class PathRadiance {
     }
     if (recorder) [[unlikely]]
       recorder->add(mask, radiance);
-    sum += radiance;
+    const Rgbd added(radiance);
+    sum += added;
     for (LayerMask rest = mask; rest != 0; rest &= rest - 1)
-      layers[static_cast<size_t>(__builtin_ctzll(rest))] += radiance;
+      layers[static_cast<size_t>(__builtin_ctzll(rest))] += added;
     if (classes.isTransient()) [[unlikely]]
-      layers[classes.layerOfLength(length)] += radiance;
+      layers[classes.layerOfLength(length)] += added;
   }
   /** Adds radiance of LS*E paths: light seen by the camera without non-delta scattering. */
   void addSeen(LightState light, CameraState eye, const Rgb& radiance, float length = 0) {
     add(light, eye, radiance, length);
-    if (classes.join(light, eye) != 0 && isFinite(radiance)) seen += radiance;
+    if (classes.join(light, eye) != 0 && isFinite(radiance)) seen += Rgbd(radiance);
   }
   /** Radiance by film layer. */
-  const Rgb* values() const { return layers.data(); }
+  std::span<const Rgbd> values() const { return layers; }
   /** Sum of all radiance in at least one layer, counted once. */
-  const Rgb& total() const { return sum; }
+  Rgb total() const { return Rgb(sum); }
   /** Scattered part of total(), if the integrator calls addSeen(). */
-  Rgb scattered() const { return sum - seen; }
+  Rgb scattered() const { return Rgb(sum - seen); }
   const PathClasses& pathClasses() const { return classes; }
   /** True when the sample is not wanted any more, and its radiance will be discarded. To be polled in long
    * loops. */
@@ -178,8 +180,8 @@ class PathRadiance {
 
  private:
   const PathClasses& classes;
-  std::vector<Rgb> layers;
-  Rgb sum{0}, seen{0};
+  std::vector<Rgbd> layers; ///< in double precision: an estimate may add thousands of photons one by one
+  Rgbd sum{0}, seen{0};
 };
 
 /** Statistics of a forward pass. */
