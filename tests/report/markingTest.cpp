@@ -50,7 +50,7 @@ const std::vector<Exercise>& exercises() {
                                      {"mirror", wallWithMirror()},
                                      {"corner", corner()},
                                      {"glass", glass()}})
-      out.push_back({name, renderedStills(text, 32, 1), renderedStills(text, 16, 2)});
+      out.push_back({name, renderedStills(text, 128, 1), renderedStills(text, 64, 2)});
     return out;
   }();
   return ALL;

@@ -114,6 +114,47 @@ TEST(Walker, ReadsClassesAndEndsWhereItIsToldTo) {
   EXPECT_GT(lit, 100);
 }
 
+TEST(CameraRoulette, BeginsBelowHalfOfTheThroughputAndKeepsTheMean) {
+  const auto survivors = [](float throughput, int length, float etaScale, float left) {
+    int count = 0;
+    constexpr int N = 20000;
+    double sum = 0;
+    for (uint32_t i = 0; i < N; ++i) {
+      Sampler sampler(1, 0, i);
+      Rgb t(throughput);
+      if (!cameraRoulette(etaScale, length, sampler, t, left)) continue;
+      ++count;
+      sum += double(t.g);
+    }
+    EXPECT_NEAR(sum / N, double(throughput), 0.03 * double(throughput));
+    return double(count) / N;
+  };
+  EXPECT_EQ(survivors(0.001f, 1, 1, 1), 1); // short paths always go on
+  EXPECT_EQ(survivors(0.001f, 2, 1, 1), 1);
+  EXPECT_EQ(survivors(0.5f, 3, 1, 1), 1);
+  EXPECT_NEAR(survivors(0.1f, 3, 1, 1), 0.2, 0.01);
+  EXPECT_NEAR(survivors(0.1f, 3, 2.25f, 1), 0.45, 0.01); // inside glass
+  EXPECT_NEAR(survivors(0.8f, 3, 1, 0.25f), 0.4, 0.01);  // most of the light is left to photons
+  EXPECT_EQ(survivors(0, 3, 1, 1), 0);
+}
+
+TEST(CameraRoulette, EndsLosslessPathsButNotSlowlyFadingOnes) {
+  const auto lengthOf = [](float albedo, uint32_t i, float least) {
+    Sampler sampler(2, 0, i);
+    Rgb throughput(1);
+    int length = 1;
+    for (; length < 1'000'000 && maxComponent(throughput) >= least; ++length) {
+      throughput *= albedo;
+      if (!cameraRoulette(1, length, sampler, throughput)) break;
+    }
+    return length;
+  };
+  for (uint32_t i = 0; i < 20; ++i) {
+    EXPECT_LT(lengthOf(1, i, 0), 1'000'000);
+    EXPECT_GE(lengthOf(0.9999f, i, 0.5f), 6900); // down to one half by absorption alone
+  }
+}
+
 TEST(SimplePath, HasThePictureOfPath) {
   const std::string lights = R"(
 LightSource "infinite" "rgb L" [ .3 .4 .5 ]

@@ -118,20 +118,25 @@ std::vector<double> Cells::meansNear(const std::vector<double>& values, int reac
 
 void Cells::weigh(const std::vector<double>& factors) {
   std::vector<double> prediction(weights.size());
-  double mean = 0, count = 0;
+  double mean = 0, explained = 0, count = 0;
   const std::vector<double> ones(layers, 1);
   for (size_t cell = 0; cell < usable.size(); ++cell) {
     if (!usable[cell]) continue;
     for (size_t c = 0; c < 3; ++c) {
       prediction[cell * 3 + c] = (predicted(cell, 0, c, factors) + predicted(cell, 1, c, factors)) / 2;
       mean += predicted(cell, 0, c, ones);
+      explained += predicted(cell, 0, c, factors);
     }
     count += 3;
   }
   const double dark = count > 0 && mean > 0 ? UNSEEN_PART * mean / count : 1;
+  // The noise of a reference layer counts even where its class seems to be missing: in the reference, a class
+  // may be a few bright pixels that no other picture has.
+  std::vector<double> noiseFactors = factors;
+  for (double& f : noiseFactors) f = std::max(f, mean > 0 ? explained / mean : 1);
   constexpr int LIGHT_REACH = 2, NOISE_REACH = 1;
   const std::vector<double> light = meansNear(prediction, LIGHT_REACH),
-                            noise = meansNear(pixelNoise(factors), NOISE_REACH);
+                            noise = meansNear(pixelNoise(noiseFactors), NOISE_REACH);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) {
       const size_t cell = size_t(y) * size_t(columns) + size_t(x);
