@@ -26,7 +26,6 @@ SAME_TIME = 0.25   # difference of processor times that is made up for as if the
 MAP, GATHER = [], ['finalgather=4']
 # Name, settings with it, settings that leave it out besides; the last integrator that is named, or photonmap.
 MECHANISMS = [
-    ('all guidance of photons', MAP, ['guided=false']),
     ('guided emission', MAP, ['guided=false']),
     ('openings for shadow rays', MAP, ['without=shadowopenings']),
     ('light choice by place, and these', MAP, ['without=lightlearning']),

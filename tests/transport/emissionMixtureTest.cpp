@@ -168,3 +168,73 @@ TEST(EmissionMixture, AFarSunHasTheCausticOfADistantLight) {
   const double error = std::hypot(sun.standardError(), distant.standardError());
   EXPECT_NEAR(sun.mean() / distant.mean(), 1, 0.01 + 3 * error / distant.mean());
 }
+
+TEST(EmissionMixture, DensitiesOfEachLightIntegrateToOneWhateverIsLearned) {
+  const std::string near = "Translate .4 -.5 1.6\n";
+  for (const std::string& lamp :
+       {near + "LightSource \"point\" \"rgb I\" [ 9 8 7 ]",
+        near +
+            "LightSource \"spot\" \"rgb I\" [ 9 8 7 ] \"point3 to\" [ -.4 .5 -1.6 ] \"float coneangle\" 60",
+        near + "AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 7 ] Shape \"sphere\" \"float radius\" .2",
+        near + "AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 7 ] \"bool twosided\" true Shape \"disk\" "
+               "\"float radius\" .2",
+        std::string("LightSource \"distant\" \"point3 from\" [ 1 -1 3 ] \"point3 to\" [ 0 0 0 ]"),
+        std::string("LightSource \"infinite\" \"rgb L\" [ 3 4 5 ]")}) {
+    SCOPED_TRACE(lamp);
+    const auto scene = sceneFrom(ballOnFloor(16, lamp));
+    ASSERT_TRUE(scene);
+    EmissionMixture mixture = mixtureOf(*scene);
+    ASSERT_TRUE(mixture.active());
+    const Light& light = scene->lights()[0];
+    const bool twoSided = lamp.find("twosided") != std::string::npos;
+    const SceneBounds& bounds = scene->bounds();
+    const float widest = 1.8f * bounds.radius; // corners of boxes may be outside of the bounding sphere
+    for (int round = 0; round < 3; ++round) {
+      constexpr uint32_t N = SANITIZED ? 20000 : 200000, STARTS = 4;
+      for (uint32_t start = 0; start < STARTS; ++start) {
+        const std::optional<LeSample> sample = emitted(mixture, light, start);
+        ASSERT_TRUE(sample);
+        std::vector<double> values(N);
+        for (uint32_t i = 0; i < N; ++i) {
+          Sampler sampler(9, start, i);
+          LeRay ray = *sample;
+          if (light.isInfinite()) { // a direction, and all parallel rays that may hit the scene
+            const Frame across(ray.direction);
+            const Vec2f disc = uniformDisk(sampler.next2D()) * widest;
+            ray.origin = bounds.center + across.toWorld({disc.x, disc.y, -widest});
+            double density = double(mixture.pdfLe(0, ray).position);
+            // The light's own sampling has the same density for all lines, but samples those of the disc.
+            if (glm::length(disc) > bounds.radius)
+              density -= (1 - mixture.boxPart()) * double(bounds.pdfDisc());
+            values[i] = density * M_PI * square(double(widest));
+          } else {
+            ray.direction = uniformSphere(sampler.next2D());
+            const bool back = ray.normal != Vec3f(0) && glm::dot(ray.direction, ray.normal) <= 0;
+            if (!back || twoSided) values[i] = double(mixture.pdfLe(0, ray).direction) * 4 * M_PI;
+          }
+        }
+        // Cones around boxes may reach behind an emitting surface, where samples have no flux.
+        std::vector<double> behind(N);
+        if (!light.isInfinite() && sample->normal != Vec3f(0))
+          for (uint32_t i = 0; i < N; ++i) {
+            Sampler sampler(11, start, i);
+            LeSample redirected = *sample;
+            if (twoSided && i % 2 == 0) redirected.normal = -redirected.normal;
+            redirected.direction = redirected.normal; // of the light's own sampling: in front
+            mixture.redirect(0, redirected, sampler.next1D(), sampler.next2D());
+            behind[i] = glm::dot(redirected.direction, redirected.normal) <= 0;
+          }
+        const Mean integral(values), lost(behind);
+        EXPECT_NEAR(integral.value + lost.value, 1, 4 * (integral.error + lost.error))
+            << "start " << start << ", round " << round;
+        EXPECT_LT(integral.error, SANITIZED ? 0.1 : 0.03);
+      }
+      EmissionMixture::Moments moments(mixture);
+      Sampler random(10, 0, static_cast<uint32_t>(round));
+      for (uint32_t i = 0; i < 2000; ++i)
+        if (const std::optional<LeSample> sample = emitted(mixture, light, i))
+          moments.add(0, *sample, std::pow(10, 6 * double(random.next1D())));
+      mixture.adapt(moments);
+    }
+  }
+}
