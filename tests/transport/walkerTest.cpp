@@ -36,7 +36,7 @@ AttributeEnd
 )";
 }
 
-const std::string MATT_BALL = "", GLASS_BALL = "Material \"dielectric\" \"float eta\" 1.5";
+const std::string MATT_BALL, GLASS_BALL = "Material \"dielectric\" \"float eta\" 1.5";
 
 template <class State> Subpath<State> subpathFrom(const State& state, const Vec3f& direction) {
   Subpath<State> path;

@@ -64,7 +64,7 @@ template <class T> class Raw {
 
  private:
   static_assert(std::is_trivially_destructible_v<T>);
-  alignas(T) std::byte bytes[CAMERA_BATCH * sizeof(T)];
+  alignas(T) std::byte bytes[CAMERA_BATCH * sizeof(T)]; // NOLINT: of pointers, too
 };
 
 class PathTracing final : public Integrator {
