@@ -54,8 +54,8 @@ class EmissionMixture {
   void adapt(const Moments& moments);
   /** Fraction of the light paths that start through boxes. */
   double boxPart() const;
-  /** Whether a finite light is so far from most vertices of camera paths that their rays rarely hit it. False
-   * without a learned mixture. */
+  /** Whether rays from most vertices of camera paths rarely hit a finite light, because it is far away. False
+   * for infinite lights, and unless active(). */
   bool isFar(uint32_t light) const;
 
  private:

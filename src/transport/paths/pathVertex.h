@@ -69,7 +69,7 @@ template <class State> struct PathVertex {
   double toPrevious = 1;     ///< factor |cos|/d² from density of directions to area at the previous vertex
   std::optional<ScatteringPoint> scattering; ///< valid until the walker's next step; empty in a medium
   const Medium* medium = nullptr;            ///< medium that scatters; null at a surface
-  float survival = 1; ///< of a light path in a medium: survival probability of Russian roulette, if below 1
+  float survival = 1; ///< survival probability of a light path in a medium, not used above 1
 
   const SurfacePoint& point() const { return hit.point; }
   /** Whether a connection, a shadow ray or a photon merge is possible here. */

@@ -41,11 +41,11 @@ inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& wei
 }
 
 /**
- * Russian roulette of a camera path of `length` scattering events: it survives the first two, and more down
- * to a throughput of 1/2, then with a probability proportional to the throughput. A probability equal to the
- * throughput ends so many paths in bright rooms that light of several bounces comes from few strong ones; and
- * where light is smooth, roulette at the first events would be most of the noise. `etaScale`: undoes the 1/η²
- * of radiance inside glass. `left`: fraction of the path's light that other estimates leave to it.
+ * Russian roulette of a camera path of `length` scattering events. The path survives its first two events,
+ * and later ones while its throughput is at least 1/2. Below, the survival probability is twice the
+ * throughput. Roulette at the first events would be most of the noise under smooth light. A probability equal
+ * to the throughput would leave light of several bounces to few paths of large weight. `etaScale`: undoes the
+ * 1/η² of radiance inside glass. `left`: fraction of the path's light that other estimates leave to it.
  */
 inline bool cameraRoulette(float etaScale, int length, Sampler& sampler, Rgb& throughput, float left = 1) {
   constexpr int FREE = 2;
