@@ -41,18 +41,20 @@ struct Exercise {
   Stills reference, student;
 };
 
+std::vector<Exercise> exercisesOf(uint64_t referenceSeed, uint64_t studentSeed) {
+  std::vector<Exercise> out;
+  using namespace markingScenes;
+  for (const auto& [name, text] : {std::pair<std::string, std::string>{"room", room()},
+                                   {"outdoors", outdoors()},
+                                   {"mirror", wallWithMirror()},
+                                   {"corner", corner()},
+                                   {"glass", glass()}})
+    out.push_back({name, renderedStills(text, 128, referenceSeed), renderedStills(text, 64, studentSeed)});
+  return out;
+}
+
 const std::vector<Exercise>& exercises() {
-  static const std::vector<Exercise> ALL = [] {
-    std::vector<Exercise> out;
-    using namespace markingScenes;
-    for (const auto& [name, text] : {std::pair<std::string, std::string>{"room", room()},
-                                     {"outdoors", outdoors()},
-                                     {"mirror", wallWithMirror()},
-                                     {"corner", corner()},
-                                     {"glass", glass()}})
-      out.push_back({name, renderedStills(text, 128, 1), renderedStills(text, 64, 2)});
-    return out;
-  }();
+  static const std::vector<Exercise> ALL = exercisesOf(1, 2);
   return ALL;
 }
 
@@ -277,6 +279,29 @@ TEST(Marking, ThirtyRightPicturesAreRight) {
       EXPECT_TRUE(markingStatements(marking).empty());
     }
   }
+}
+
+TEST(Marking, NothingWrongIsSaidWithOtherRandomNumbers) {
+  // Classes with a hundredth of the light in a few bright pixels seem to be missing in some of these.
+  unsigned seed = 1000;
+  const auto all = mistakes();
+  for (const uint64_t first : {31, 41, 91, 281})
+    for (const Exercise& exercise : exercisesOf(first, first + 1)) {
+      SCOPED_TRACE(exercise.name + ", " + std::to_string(first));
+      const Image light = sumOfLayers(exercise.student, [](const std::string&, int, int) { return 1; });
+      const Marking right = markExercise(grained(light, 0.1, ++seed), exercise.reference);
+      EXPECT_TRUE(markingStatements(right).empty()) << markingText(right);
+      for (const Mistake& mistake : all.at(exercise.name)) {
+        const Marking marking = markExercise(pictureOf(exercise, mistake, ++seed), exercise.reference);
+        for (const ClassMark& mark : marking.classes) {
+          const auto made = mistake.factors.find(mark.name);
+          const double factor = made == mistake.factors.end() ? 1 : made->second;
+          EXPECT_TRUE(mark.state == stateOf(factor) || mark.state == ClassState::UNKNOWN)
+              << mark.name << "\n"
+              << markingText(marking);
+        }
+      }
+    }
 }
 
 TEST(Marking, MistakeOfHalfThePictureHasItsPart) {

@@ -60,6 +60,10 @@ Cells::Cells(const Image& picture, const Image& reference, int side)
       }
     }
   }
+  layerNoise.resize(count * 3 * layers);
+  for (size_t i = 0; i < layerNoise.size(); ++i)
+    layerNoise[i] = static_cast<float>(noiseOfMean(
+        i / (3 * layers), [&](int x, int y) { return double(reference.at(x, y)[3 + i % (3 * layers)]); }));
 }
 
 double Cells::predicted(size_t cell, int half, size_t channel, const std::vector<double>& factors) const {
@@ -69,30 +73,32 @@ double Cells::predicted(size_t cell, int half, size_t channel, const std::vector
   return sum;
 }
 
-/** Variance of the mean of a cell, by channel, from the checkerboard difference of each 2 x 2 pixels, in
- * which constant brightness, slopes and straight edges cancel. */
-std::vector<double> Cells::pixelNoise(const std::vector<double>& factors) const {
+/** Variance of the mean of `valueAt(x, y)` over a cell, from the checkerboard difference of each 2 x 2
+ * pixels, in which constant brightness, slopes and straight edges cancel. */
+template <class Value> double Cells::noiseOfMean(size_t cell, const Value& valueAt) const {
+  const int left = static_cast<int>(cell % size_t(columns)) * side,
+            top = static_cast<int>(cell / size_t(columns)) * side;
+  double sum = 0;
+  for (int y = top; y + 1 < top + side; y += 2)
+    for (int x = left; x + 1 < left + side; x += 2)
+      sum += square(valueAt(x, y) - valueAt(x + 1, y) - valueAt(x, y + 1) + valueAt(x + 1, y + 1));
+  // Four pixels a square have four times the variance of one, which a mean over side² pixels divides.
+  const double squares = square(side / 2);
+  return sum / (4 * squares) / square(side);
+}
+
+/** Variance of the mean of the residual in each cell, by channel. */
+std::vector<double> Cells::residualNoise(const std::vector<double>& factors) const {
   std::vector<double> noise(weights.size());
-  const auto residual = [&](int x, int y, size_t c) {
-    const float* r = reference.at(x, y) + 3;
-    double value = double(picture.at(x, y)[c]);
-    for (size_t i = 0; i < layers; ++i) value -= factors[i] * double(r[3 * i + c]);
-    return value;
-  };
-  for (size_t cell = 0; cell < usable.size(); ++cell) {
+  for (size_t i = 0; i < noise.size(); ++i) {
+    const size_t cell = i / 3, c = i % 3;
     if (!usable[cell]) continue;
-    const int left = static_cast<int>(cell % size_t(columns)) * side,
-              top = static_cast<int>(cell / size_t(columns)) * side;
-    for (size_t c = 0; c < 3; ++c) {
-      double sum = 0;
-      for (int y = top; y + 1 < top + side; y += 2)
-        for (int x = left; x + 1 < left + side; x += 2)
-          sum += square(residual(x, y, c) - residual(x + 1, y, c) - residual(x, y + 1, c) +
-                        residual(x + 1, y + 1, c));
-      // Four pixels a square have four times the variance of one, which a mean over side² pixels divides.
-      const double squares = square(side / 2);
-      noise[cell * 3 + c] = sum / (4 * squares) / square(side);
-    }
+    noise[i] = noiseOfMean(cell, [&](int x, int y) {
+      const float* r = reference.at(x, y) + 3;
+      double value = double(picture.at(x, y)[c]);
+      for (size_t k = 0; k < layers; ++k) value -= factors[k] * double(r[3 * k + c]);
+      return value;
+    });
   }
   return noise;
 }
@@ -135,8 +141,8 @@ void Cells::weigh(const std::vector<double>& factors) {
   std::vector<double> noiseFactors = factors;
   for (double& f : noiseFactors) f = std::max(f, mean > 0 ? explained / mean : 1);
   constexpr int LIGHT_REACH = 2, NOISE_REACH = 1;
-  const std::vector<double> light = meansNear(prediction, LIGHT_REACH),
-                            noise = meansNear(pixelNoise(noiseFactors), NOISE_REACH);
+  const std::vector<double> light = meansNear(prediction, LIGHT_REACH), noise = residualNoise(noiseFactors),
+                            noiseNear = meansNear(noise, NOISE_REACH);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) {
       const size_t cell = size_t(y) * size_t(columns) + size_t(x);
@@ -153,7 +159,8 @@ void Cells::weigh(const std::vector<double>& factors) {
             square(2 * side);
         const size_t i = cell * 3 + c;
         weights[i] = 1 / (square(light[i]) + square(dark));
-        variances[i] = noise[i] + square(PIXEL_TOLERANCE) * slope +
+        // A few pixels are too few to know a small variance; a large one is that of a bright pixel.
+        variances[i] = std::max(noise[i], noiseNear[i]) + square(PIXEL_TOLERANCE) * slope +
                        square(CELL_TOLERANCE) * (square(prediction[i]) + square(dark));
       }
     }
@@ -180,6 +187,10 @@ ClassSums Cells::sums(const CellRange& range) const {
             const double aj = double(a[3 * j + c]), bj = double(b[3 * j + c]);
             out.matrix[i * layers + j] += half * (ai * bj + bi * aj);
             out.covariance[i * layers + j] += spread * (ai * aj + bi * bj);
+            // The picture has noise of the class where the reference has, though it may not show it.
+            if (i == j)
+              out.covariance[i * layers + i] +=
+                  2 * square(half) * (ai * aj + bi * bj) * double(layerNoise[(cell * layers + i) * 3 + c]);
             out.ordinaryMatrix[i * layers + j] += half / 2 * (ai + bi) * (aj + bj);
           }
         }

@@ -62,13 +62,15 @@ class Cells {
   const float* layersAt(size_t cell, int half) const { return pictureAt(cell, half) + 3; }
   double predicted(size_t cell, int half, size_t channel, const std::vector<double>& factors) const;
   std::vector<double> meansNear(const std::vector<double>& values, int reach) const;
-  std::vector<double> pixelNoise(const std::vector<double>& factors) const;
+  template <class Value> double noiseOfMean(size_t cell, const Value& valueAt) const;
+  std::vector<double> residualNoise(const std::vector<double>& factors) const;
 
   const Image &picture, &reference;
   int side, columns, rows;
   size_t layers, stride;
   std::vector<float> means; ///< by cell, black half then white: R, G, B of the picture, then of each layer
   std::vector<char> usable; ///< cell by cell
+  std::vector<float> layerNoise; ///< by cell, three channels of each layer: variance of the layer's mean
   std::vector<double> weights, variances; ///< cell by cell, three channels, of the mean
 };
 
