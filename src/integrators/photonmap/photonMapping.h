@@ -15,7 +15,7 @@ struct PhotonMappingSettings : PhotonPassSettings {
   int lightSamples = 1;
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance cached at records
   int finalGather = -1; ///< rays from a path's first non-delta surface; 0: none; -1: one, where it pays
-  float weightLimit = 0.03f;
+  float weightLimit = 0.01f;
 };
 
 /** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;

@@ -113,6 +113,9 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
   const auto variance = double(record.variance), squared = square(double(record.irradiance));
+  // Where no photon came in the first pass, errors are unknown. Rays alone would be fireflies beside a lamp
+  // that few photons leave this way.
+  gather.merging = static_cast<float>(emitted);
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
   const double pixels =
       std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
