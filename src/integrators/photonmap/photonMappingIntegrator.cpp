@@ -34,6 +34,16 @@ void PhotonMapping::backward(const Scene& scene, const CameraRay& ray, Sampler& 
   trace(scene, path, sampler, out);
 }
 
+namespace {
+
+/** Roulette of a camera path on arrival at a non-delta vertex. */
+bool survives(PathState& path, Sampler& sampler) {
+  return cameraRoulette(path.walk.etaScale, path.walk.depth, sampler, path.walk.throughput,
+                        path.remainingWeight);
+}
+
+} // namespace
+
 bool hasMediaWithoutEnd(const Scene& scene) {
   if (!scene.hasEmissiveMedia()) return false;
   TransportCounts counts;
@@ -119,7 +129,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, 
     return;
   }
   path.walk.state = vertex.afterD;
-  if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   VertexEstimates at;
   at.direct = std::exchange(path.weights.direct, {});
   at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
@@ -188,7 +198,7 @@ void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, Pa
   path.walk.state = vertex.afterD;
   path.remainingWeight *= std::exchange(path.weights.share, 1);
   path.weights.direct = {};
-  if (out.pathClasses().dead(vertex.afterD) || !goesOn(path, sampler)) return;
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   VertexEstimates at;
   at.byRays = true;
   at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
@@ -213,15 +223,6 @@ void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>&
 void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const {
   visitMapBoxes(photons.caustics().map, true, levels, visit);
   visitMapBoxes(photons.indirect().map, false, levels, visit);
-}
-
-bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
-  constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
-  Rgb& throughput = path.walk.throughput;
-  if (path.nonDelta >= FREE)
-    return cameraRoulette(path.walk.etaScale, path.walk.depth, sampler, throughput, path.remainingWeight);
-  const float worth = maxComponent(throughput) * path.walk.etaScale * path.remainingWeight;
-  return russianRoulette(std::min(1.0f, worth / settings.weightLimit), path.walk.depth, sampler, throughput);
 }
 
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,

@@ -58,8 +58,6 @@ class PhotonMapping final : public PhotonMapper {
                  Sampler& sampler, PathRadiance& out) const;
   /** Records the step from a vertex to `next`, if there is a recorder. */
   static void recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next, PathRadiance& out);
-  /** Russian roulette at a non-delta surface, by the weight of the light that is left to the path. */
-  bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayHitLight(const Scene& scene) const {
     return !settings.directLight && scene.contents().areaLights + scene.contents().environmentLights > 0;
   }
