@@ -84,6 +84,8 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
   const ScatteringPoint& scattering = *vertex.scattering;
   if (!scattering.hasDelta() || out.pathClasses().dead(vertex.afterS)) return false;
   path.weights.merge.arrive(path.walk.ray.direction, vertex.point());
+  // Of many faces one behind the other, the last ones add little for the work of all paths through them.
+  constexpr int MAX_SPLITTING_DEPTH = 8;
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
@@ -103,7 +105,7 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
   int next = 0;
   // A branch under roulette may be the image of a light, which no other technique finds behind fog.
   if (path.nonDelta == 0 && least * path.mediaScale >= settings.weightLimit &&
-      path.walk.depth <= MAX_BRANCHING_DEPTH) {
+      path.walk.depth <= MAX_SPLITTING_DEPTH) {
     for (int i = 1; i < count; ++i) {
       Sampler branch = sampler.fork(static_cast<uint32_t>(i));
       trace(scene, after(all[size_t(i)]), branch, out);
