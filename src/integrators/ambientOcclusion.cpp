@@ -38,6 +38,7 @@ class AmbientOcclusion final : public Integrator {
                        "white diffuse surfaces") +
            (maxDistance < INFINITE ? "; surfaces beyond \"maxdistance\" do not occlude" : "");
   }
+  bool addsLightOfNoLamp() const override { return true; }
   std::vector<EstimatorDomain> domains() const override {
     return {{"occlusion rays", "LDE", "one for each camera ray", ""}};
   }

@@ -34,6 +34,7 @@ class RayCast final : public Integrator {
                ? ""
                : "constant ambient light from all directions instead of light that surfaces reflect";
   }
+  bool addsLightOfNoLamp() const override { return !isBlack(ambient); }
   std::vector<EstimatorDomain> domains() const override {
     std::vector<EstimatorDomain> all = {
         {"emission", "LE", "none: found by camera rays", "", true},

@@ -52,10 +52,10 @@ apps::RenderOptions parsedOptions(const std::string& fileName, const std::vector
   return out;
 }
 
-PathClasses pathClassesOf(const std::vector<PathClass>& classes, const Scene& scene) {
+PathClasses pathClassesOf(const std::vector<PathClass>& classes, const apps::LoadedScene& loaded) {
   std::vector<PathClass> all = {{"all", "all"}};
   all.insert(all.end(), classes.begin(), classes.end());
-  return sceneClasses(all, scene);
+  return sceneClasses(all, *loaded.scene, loaded.integrator.get());
 }
 
 bool isSame(const apps::LoadOverrides& a, const apps::LoadOverrides& b) {
@@ -101,7 +101,7 @@ RenderResult PythonScene::render(const RenderRequest& request,
   requireFeatureLayers(request.features);
   const Work work(warnings, plan.threads);
   require(plan.overrides);
-  const PathClasses classes = pathClassesOf(request.classes, *loaded.scene);
+  const PathClasses classes = pathClassesOf(request.classes, loaded);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   requireFeatureLayers(request.features, *loaded.integrator);
   apps::withdrawStop();
@@ -125,7 +125,7 @@ PathLists PythonScene::paths(const RenderRequest& request, int x, int y, int64_t
   plan.overrides.lenient |= built.lenient;
   const Work work(warnings, plan.threads);
   require(plan.overrides);
-  const PathClasses classes = pathClassesOf(request.classes, *loaded.scene);
+  const PathClasses classes = pathClassesOf(request.classes, loaded);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   apps::withdrawStop();
   const apps::GracefulStop graceful;

@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
-const std::string MAGIC = "Recurse checkpoint 8\n";
+const std::string MAGIC = "Recurse checkpoint 9\n";
 /** Size of a header [bytes], above which the file is damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 
@@ -57,10 +57,12 @@ template <class Position, class Use> void forEachFigure(Position& p, const Use& 
   use("photons_refused", s.photonsRefused);
   use("map_bytes", s.mapBytes);
   use("rays", s.counts.rays);
+  use("boundary_rays", s.counts.boundaryRays);
   use("non_finite", s.counts.nonFinite);
   use("weight_cut", s.counts.truncatedThroughput);
   use("gathers", s.counts.gathers);
   use("photons_found", s.counts.photonsFound);
+  use("photons_scattered", s.counts.photonsScattered);
   use("caustic_radii", s.counts.causticRadii.bins);
   use("caustic_radii_log2", s.counts.causticRadii.sumLog2);
   use("other_radii", s.counts.otherRadii.bins);

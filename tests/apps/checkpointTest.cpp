@@ -286,6 +286,31 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   expectError(render(PATH, {"--resume"}), "--checkpoint");
 }
 
+TEST_F(Checkpoints, KeepAllCounts) {
+  using recurse::PixelBounds;
+  recurse::TransportCounts counts;
+  counts.rays = 101;
+  counts.boundaryRays = 102;
+  counts.nonFinite = 103;
+  counts.truncatedThroughput = 104;
+  counts.gathers = 105;
+  counts.photonsFound = 106;
+  counts.photonsScattered = 107;
+  recurse::Checkpoint written{
+      {}, {}, 1, {{"all", "all"}}, {{0, 0, 1}}, {}, recurse::Film(PixelBounds{0, 0, 2, 2}, 1), {}};
+  written.position.statistics.counts = counts;
+  recurse::writeCheckpoint(file("counts.rck"), written);
+  const recurse::TransportCounts read =
+      recurse::Checkpoint::read(file("counts.rck")).position.statistics.counts;
+  EXPECT_EQ(read.rays, counts.rays);
+  EXPECT_EQ(read.boundaryRays, counts.boundaryRays);
+  EXPECT_EQ(read.nonFinite, counts.nonFinite);
+  EXPECT_EQ(read.truncatedThroughput, counts.truncatedThroughput);
+  EXPECT_EQ(read.gathers, counts.gathers);
+  EXPECT_EQ(read.photonsFound, counts.photonsFound);
+  EXPECT_EQ(read.photonsScattered, counts.photonsScattered);
+}
+
 TEST_F(Checkpoints, OneProcessAtATime) {
   const std::vector<std::string> more = {"-o", "a.exr", "--checkpoint", "c.rck", "--resume"};
   {

@@ -4,8 +4,11 @@
 #include "program.h"
 
 #include <algorithm>
+#include <map>
 
 #include <nlohmann/json.hpp>
+
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 
@@ -69,6 +72,31 @@ TEST_F(StillsCommand, TellsOverlapsAndWhatIsLeftOver) {
   const Outcome quiet = run({"stills", "scene.pbrt", "-o", "s", "-q", "--integrator", "path"});
   EXPECT_EQ(quiet.status, 0);
   EXPECT_EQ(quiet.out + quiet.err, "");
+}
+
+TEST_F(StillsCommand, LightOfNoLampIsInTheLayerOfNoLamp) {
+  write("ambient.pbrt", scene("Integrator \"raycast\" \"rgb ambient\" [ .5 .5 .5 ]\n"));
+  write("occlusion.pbrt", scene("Integrator \"ambientocclusion\"\n"));
+  write("lamp.pbrt", scene("Integrator \"raycast\"\n"));
+  const auto greenOf = [&](const std::string& name) {
+    const Outcome o = run({"stills", name + ".pbrt", "-o", name, "--by", "light"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    const recurse::Image image = recurse::readImage(file(name + "/stills.exr"));
+    std::map<std::string, double> sums;
+    for (size_t c = 0; c < image.channels.size(); ++c)
+      if (image.channels[c].ends_with("G"))
+        for (size_t i = c; i < image.pixels.size(); i += image.channels.size())
+          sums[image.channels[c]] += double(image.pixels[i]);
+    return sums;
+  };
+  std::map<std::string, double> occlusion = greenOf("occlusion");
+  EXPECT_EQ(occlusion["light-1.G"], 0);
+  EXPECT_GT(occlusion["rest.G"], 0);
+  EXPECT_NEAR(occlusion["rest.G"], occlusion["G"], 1e-3 * occlusion["G"]);
+  std::map<std::string, double> ambient = greenOf("ambient"), lamp = greenOf("lamp");
+  EXPECT_EQ(lamp.count("rest.G"), 0u);
+  EXPECT_GT(ambient["rest.G"], 0);
+  EXPECT_NEAR(ambient["light-1.G"], lamp["light-1.G"], 1e-3 * lamp["light-1.G"]);
 }
 
 TEST_F(StillsCommand, ComparesWithOtherStills) {

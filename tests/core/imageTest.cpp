@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -283,6 +284,29 @@ TEST_F(ImageFiles, TemporaryFilesOfOthersStayWhatTheyAre) {
   EXPECT_EQ(contents(file("a")), "own");
   for (const std::string& name : {next, afterNext}) EXPECT_EQ(contents(name), "of another");
   EXPECT_EQ(filesInFolder(), 3u);
+}
+
+TEST_F(ImageFiles, TemporaryFilesOfKilledRunsAreRemovedADayLater) {
+  using std::chrono::hours;
+  fs::create_directory(file("out"));
+  const auto writtenBefore = [&](hours age, const std::string& name) {
+    std::ofstream(file("out/" + name)) << "rest";
+    fs::last_write_time(file("out/" + name), fs::file_time_type::clock::now() - age);
+  };
+  const std::string dead = ".recurse-999999999-"; // above the largest number of a process
+  writtenBefore(hours(25), dead + "0.tmp");
+  const std::vector<std::string> kept = {
+      dead + "1.exr",     dead + ".tmp",       dead + "1-2.tmp",
+      dead + "x.tmp",     dead + "1.tmp.tmp",  dead.substr(1) + "1.tmp",
+      ".recurse-x-1.tmp", ".recurse--1-1.tmp", ".recurse-" + std::to_string(::getpid()) + "-1000000.tmp"};
+  for (const std::string& name : kept) writtenBefore(hours(1000), name);
+  writtenBefore(hours(23), dead + "2.tmp");
+  fs::create_directory(file("out/" + dead + "3.tmp"));
+  writeFileAtomically(file("out/a"), "own");
+  EXPECT_FALSE(fs::exists(file("out/" + dead + "0.tmp")));
+  for (const std::string& name : kept) EXPECT_TRUE(fs::exists(file("out/" + name))) << name;
+  EXPECT_TRUE(fs::exists(file("out/" + dead + "2.tmp")));
+  EXPECT_TRUE(fs::exists(file("out/" + dead + "3.tmp")));
 }
 
 TEST_F(ImageFiles, OpenPipesAreStreamsButOpenFoldersAreNot) {

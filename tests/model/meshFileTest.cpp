@@ -222,6 +222,21 @@ TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
   EXPECT_NE(diagnostics.format().find("camera \"mine\" of the scene stays where it is"), std::string::npos);
 }
 
+TEST_F(MeshFile, CopyOfAnImportHasTheChosenCamera) {
+  write("m.gltf", gltf(R"({"children":[1,2]},{"mesh":0},{"name":"eye","camera":0})", "{}",
+                       R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.6,"znear":0.1}}])"));
+  const ParsedDirective directive = parseParameterText("mesh", "\"string filename\" \"" + directory +
+                                                                   "/m.gltf\" \"string camera\" \"eye\"");
+  Diagnostics diagnostics;
+  std::unique_ptr<SceneImport> original = plugIns().imports.make(directive, {"", ""}, diagnostics);
+  ASSERT_TRUE(original) << diagnostics.format();
+  const SceneImport copy = *original;
+  original->cameras.clear();
+  ASSERT_TRUE(copy.chosenCamera());
+  EXPECT_EQ(copy.chosenCamera(), &copy.cameras.at(0));
+  EXPECT_EQ(copy.chosenCamera()->name, "eye");
+}
+
 TEST_F(MeshFile, MtlIsMapped) {
   write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"
                  "usemtl c\nf 1 3 4\nusemtl d\nf 2 3 4\n");

@@ -4,6 +4,7 @@
 #include <ctime>
 
 #include "model/shapeTesting.h"
+#include "recurse/model/shape/ballField.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -73,6 +74,13 @@ struct Field {
 };
 
 } // namespace
+
+TEST(Metaballs, BlinnFieldDiffersFromTheExponentialByUpTo0Point0201) {
+  double largest = 0;
+  for (double q = 0; q <= 1; q += 1e-5)
+    largest = std::max(largest, std::abs(blinnField(q) - std::exp(-4 * q)));
+  EXPECT_NEAR(largest, 0.0201, 5e-5);
+}
 
 TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
   Random random(31);

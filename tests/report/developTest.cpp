@@ -401,3 +401,13 @@ TEST(Develop, DitherKeepsTheMeanAndBlackAndWhite) {
   EXPECT_NEAR(sum, 100.3, 0.02);
   EXPECT_GT(differing, 0);
 }
+
+TEST(OperatorSheet, PixelsThatAreNotFiniteDoNotSpoilTheirBlocks) {
+  Image picture(482, 8, {"R", "G", "B"}); // blocks of 2 x 2 pixels
+  std::fill(picture.pixels.begin(), picture.pixels.end(), 0.5f);
+  const DevelopSettings settings;
+  const Image expected = operatorSheet(picture, settings).picture;
+  picture.at(100, 3)[1] = NAN;
+  picture.at(301, 6)[0] = INFINITY;
+  EXPECT_EQ(operatorSheet(picture, settings).picture.pixels, expected.pixels);
+}

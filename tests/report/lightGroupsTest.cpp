@@ -6,8 +6,10 @@
 #include "transport/classRendering.h"
 
 #include <regex>
+#include <set>
 
 #include "recurse/core/io/error.h"
+#include "recurse/core/io/text.h"
 #include "recurse/report/stills/stills.h"
 #include "recurse/scene/directives/loader.h"
 #include "recurse/transport/integrator/sceneNames.h"
@@ -294,6 +296,16 @@ TEST(LightGroups, EqualLampsAndManyMediaGetLayersToo) {
     EXPECT_EQ(classes.front().name, lamps.front().name);
     EXPECT_EQ(classes.back().name, "other-lights");
   }
+}
+
+TEST(LightGroups, LayersOfClassesAndLampsHaveDistinctNames) {
+  const std::vector<PathClass> classes =
+      classesByLight({{"hall", "", 1}, {"hall-Low", "", 1}, {"hall*low", "", 1}},
+                     {{"low-direct", "LDE"}, {"direct", "LD+E"}, {"Low-direct2", "LE"}});
+  ASSERT_EQ(classes.size(), 9u);
+  std::set<std::string> names;
+  for (const PathClass& c : classes) EXPECT_TRUE(names.insert(lowerCase(c.name)).second) << c.name;
+  EXPECT_EQ(classes[0].name, "hall-low-direct");
 }
 
 TEST(LightGroups, NameOfALampGoesBeforeThatOfItsShape) {

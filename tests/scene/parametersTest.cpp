@@ -284,3 +284,19 @@ TEST(Registry, MakesOrReports) {
   EXPECT_CONTAINS(text, "unknown Shape \"shpere\"; did you mean \"sphere\"?");
   EXPECT_CONTAINS(text, "pbrt-v3 had it");
 }
+
+TEST(Registry, WarningsOfAMakerThatFailsAreReportedBeforeItsError) {
+  struct Thing {};
+  Registry<Thing, int> registry("Shape");
+  registry.add({{"sphere", "Round.", {realParameter("radius", "1", "")}, {}},
+                [](const Parameters& p, const int&) -> std::unique_ptr<Thing> {
+                  p.warn("radius", "unusual for this test");
+                  p.fail("radius", "too large for this test");
+                }});
+  Diagnostics diagnostics;
+  EXPECT_EQ(registry.make(parseParameterText("sphere", "\"float radius\" 2"), 0, diagnostics), nullptr);
+  ASSERT_EQ(diagnostics.all().size(), 2u) << diagnostics.format();
+  EXPECT_EQ(diagnostics.all()[0].severity, Severity::WARNING);
+  EXPECT_EQ(diagnostics.all()[0].message, "unusual for this test");
+  EXPECT_EQ(diagnostics.all()[1].severity, Severity::ERROR);
+}

@@ -47,6 +47,11 @@ TEST(Spectrum, ColorSpaces) {
   EXPECT_NEAR(white.y, 0.33767, 2e-4);
 }
 
+TEST(Spectrum, UnknownColorSpacesAreErrors) {
+  for (const char* name : {"adobergb", "Rec2020", "aces"})
+    EXPECT_THROW(rgbInColorSpace(name, Rgbd(0.5), SpectrumKind::ALBEDO), Error) << name;
+}
+
 TEST(Spectrum, ConstantsStayExact) {
   for (double c : {0.0, 0.18, 1.0}) {
     EXPECT_EQ(rgbOfSpectrum({{400, 700}, {c, c}}, SpectrumKind::ALBEDO), Rgbd(c));

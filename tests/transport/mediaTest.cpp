@@ -338,13 +338,31 @@ TEST(Media, WrongOnesAreTold) {
         "too high for single precision");
   tells("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 1] \"rgb Le\" [1e10 1 1] "
         "\"float Lescale\" [0 1e10]",
-        "too dense for single precision");
+        "the emission is too high for single precision");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"rgb sigma_s\" [1e18 0 0]",
         "steps through the grid");
   tells("\"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [0 0 1e18]",
         "steps through the grid");
   tells("\"string type\" \"cloud\" \"float scale\" 1e12", "steps through the grid");
   tells("\"string type\" \"homogeneous\" \"string preset\" \"Wholemilks\"", "Wholemilk");
+}
+
+TEST(Media, TooMuchEmissionIsReportedAtItsParameter) {
+  const auto parameterAtFault = [](const std::string& parameters) {
+    const std::string scene = throughTheBox("\"string type\" \"homogeneous\" " + parameters, EVEN_SKY);
+    Diagnostics diagnostics;
+    EXPECT_FALSE(buildScene(parseScene(scene, "test.pbrt", ".", diagnostics), {}, diagnostics));
+    if (diagnostics.all().size() != 1) return diagnostics.format();
+    const SourceLocation& where = diagnostics.all()[0].location;
+    const std::string before = where.lineText().substr(0, size_t(where.column) - 1);
+    const size_t end = before.rfind('"');
+    return before.substr(before.rfind('"', end - 1), end + 1 - before.rfind('"', end - 1));
+  };
+  const std::string scale = "\"float scale\" 2 ";
+  EXPECT_EQ(parameterAtFault(scale + "\"rgb Le\" [1e19 0 0]"), "\"rgb Le\"");
+  EXPECT_EQ(parameterAtFault(scale + "\"rgb Le\" [1 1 1] \"float Lescale\" 1e19"), "\"float Lescale\"");
+  EXPECT_EQ(parameterAtFault(scale + "\"rgb Le\" [1e19 0 0] \"float Lescale\" 1"), "\"rgb Le\"");
+  EXPECT_EQ(parameterAtFault("\"rgb Le\" [1 1 1] \"float scale\" 1e19"), "\"float scale\"");
 }
 
 namespace {

@@ -183,16 +183,20 @@ TEST(PathRecorder, JoinsOfBothSidesAreWholePaths) {
 
 TEST(PathRecorder, WeightsAreThePowerHeuristicOfTheDensities) {
   const auto scene = sceneFrom(glassAndMirrorBox(RECORD_SIZE, 1.2));
-  size_t shared = 0;
-  for (const RecordedPixel& pixel : recordOf(*scene, {"", "path", ""}, PathClasses()))
-    for (const RecordedContribution& one : pixel.record.contributions()) {
-      const RecordedSource& s = one.source;
-      if (!(s.otherPdf > 0)) continue;
-      ++shared;
-      const double a = square(double(s.pdf)), b = square(double(s.otherPdf));
-      EXPECT_NEAR(double(s.weight), a / (a + b), 1e-4);
-    }
-  EXPECT_GT(shared, 100u);
+  for (const char* lightSamples : {"", "\"integer lightsamples\" 3"}) {
+    SCOPED_TRACE(lightSamples);
+    std::map<PathTechnique, size_t> shared;
+    for (const RecordedPixel& pixel : recordOf(*scene, {"", "path", lightSamples}, PathClasses()))
+      for (const RecordedContribution& one : pixel.record.contributions()) {
+        const RecordedSource& s = one.source;
+        if (!(s.otherPdf > 0)) continue;
+        ++shared[s.technique];
+        const double a = square(double(s.pdf)), b = square(double(s.otherPdf));
+        EXPECT_NEAR(double(s.weight), a / (a + b), 1e-4);
+      }
+    EXPECT_GT(shared[PathTechnique::LIGHT_SAMPLE], 100u);
+    EXPECT_GT(shared[PathTechnique::HIT], 5u);
+  }
 }
 
 TEST(PathRecorder, VerticesLieOnTheRaysBetweenThem) {

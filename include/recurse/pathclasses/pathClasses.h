@@ -78,7 +78,8 @@ class PathClasses {
   size_t lightStateCount() const { return lightStates; }
   size_t cameraStateCount() const { return cameraDead.size(); }
 
-  /** State after reading L, of a light that no expression names; of one of the lights if all are named. */
+  /** State after reading L, of a light that no expression names, such as an ambient term; of one of the
+   * lights if all of PathNames are named. */
   LightState lightStart() const { return lightStartState; }
   /** State after reading L, of a light by its index in PathNames. */
   LightState lightStart(size_t light) const {

@@ -50,11 +50,11 @@ std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& 
   return pixels;
 }
 
-PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
+PathClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
-  if (classes.empty()) classes = defaultStillClasses(scene.hasMedia());
-  const PathNames names = pathNames(scene);
+  if (classes.empty()) classes = defaultStillClasses(loaded.scene->hasMedia());
+  const PathNames names = pathNames(*loaded.scene, loaded.integrator.get());
   PathClasses out(planStills(classes, &names).classes, names);
   // The photons' surfaces are not known.
   if (out.distinguishesSurfaces())
@@ -115,7 +115,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   requireDistinctFiles({{"-o", o.output}, {"--stats", o.render.statistics}},
                        inputFiles("a file of the scene", loaded.files));
   const Scene& scene = *loaded.scene;
-  const PathClasses classes = classesOf(o, scene);
+  const PathClasses classes = classesOf(o, loaded);
   Inspection inspection;
   inspection.pixels = pixelsOf(o, scene.film().crop);
   inspection.lightPaths = LightPathRecorder(lightPaths);

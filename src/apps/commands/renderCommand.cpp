@@ -230,7 +230,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
   const auto held = std::make_shared<const LoadedScene>(load(o, plan));
   const LoadedScene& loaded = *held;
-  const PathClasses classes = o.pathClasses(*loaded.scene);
+  const PathClasses classes = o.pathClasses(loaded);
   if (onLoaded) onLoaded(loaded.files);
   o.checkIntegrator(loaded);
   if (o.frame) startFrame(*o.frame, held, o);

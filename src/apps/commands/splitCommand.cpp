@@ -134,9 +134,9 @@ ExitStatus splitRender(SplitOptions o) {
   requireOneLine("-o", job.folder.string());
   requireOneLine("--paths", o.paths);
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
-  const PathClasses classes = o.paths.empty()
-                                  ? PathClasses()
-                                  : sceneClasses(std::vector<PathClass>{{o.paths, o.paths}}, *loaded.scene);
+  const PathClasses classes = o.paths.empty() ? PathClasses()
+                                              : sceneClasses(std::vector<PathClass>{{o.paths, o.paths}},
+                                                             *loaded.scene, loaded.integrator.get());
   job.passes = loaded.integrator->passes(static_cast<int>(job.samples));
   if (job.passes.minSamples() > job.samples)
     badUsage("--spp: " + std::to_string(job.passes.minSamples()) + " passes need at least one sample each");

@@ -38,9 +38,10 @@ std::vector<PathClass> askedClasses(const StillsOptions& o) {
 }
 
 /** Plan of the classes, divided by light where --by asks for this. */
-StillsPlan planOf(const StillsOptions& o, std::vector<PathClass> classes, const Scene& scene) {
+StillsPlan planOf(const StillsOptions& o, std::vector<PathClass> classes, const LoadedScene& loaded) {
+  const Scene& scene = *loaded.scene;
   if (classes.empty() && o.by != "light") return planStills(defaultStillClasses(scene.hasMedia()));
-  const PathNames names = pathNames(scene);
+  const PathNames names = pathNames(scene, loaded.integrator.get());
   if (o.by != "light") return planStills(classes, &names);
   const std::vector<LampGroup> lamps = lampGroups(scene);
   if (!classes.empty()) classes = planStills(classes, &names).classes;
@@ -87,8 +88,8 @@ ExitStatus renderStills(const StillsOptions& o) {
   checkFiles(o, loaded.files);
   checkStillsWritable(o.folder);
   const FileLock lock(folderName(o.folder));
-  const StillsPlan stillsPlan = planOf(o, asked, *loaded.scene);
-  const PathClasses classes = sceneClasses(stillsPlan.classes, *loaded.scene);
+  const StillsPlan stillsPlan = planOf(o, asked, loaded);
+  const PathClasses classes = sceneClasses(stillsPlan.classes, *loaded.scene, loaded.integrator.get());
 
   std::string classOptions = o.by.empty() ? "" : " --by " + o.by;
   for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);

@@ -159,8 +159,8 @@ void RenderCommandOptions::checkIntegrator(const LoadedScene& loaded) const {
   diagnostics.throwIfErrors();
 }
 
-PathClasses RenderCommandOptions::pathClasses(const Scene& scene) const {
-  PathClasses all = sceneClasses(pathClasses(), scene);
+PathClasses RenderCommandOptions::pathClasses(const LoadedScene& loaded) const {
+  PathClasses all = sceneClasses(pathClasses(), *loaded.scene, loaded.integrator.get());
   if (!timeOfFlight.empty()) all.addFrames(parseTimeOfFlight(timeOfFlight));
   return all;
 }

@@ -39,8 +39,8 @@ struct RenderCommandOptions {
   RenderPlan plan() const;
   /** Path classes of --paths or --class. Throws Error where they do not compile in any scene. */
   std::vector<PathClass> pathClasses() const;
-  /** The same, compiled for a scene, and the frames of --time-of-flight. */
-  PathClasses pathClasses(const Scene& scene) const;
+  /** The same, compiled for a scene and its integrator, and the frames of --time-of-flight. */
+  PathClasses pathClasses(const LoadedScene& loaded) const;
   /** Text of --paths, --class and --time-of-flight, as on a command line. */
   std::string pathsText() const;
   /** Throws Error if the integrator of the scene does not render what the options ask for. */

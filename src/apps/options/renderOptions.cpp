@@ -369,8 +369,9 @@ void RenderResult::explainBlackness() {
   const bool isOvertime = statistics.stopReason == StopReason::TIME;
   std::vector<PathClass> whole = classes;
   whole.resize(classes.size() - frames.layerCount());
-  const std::string why = blackPictureText(loaded, sceneClasses(whole, *loaded.scene), film, stopFlag(),
-                                           isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
+  const std::string why =
+      blackPictureText(loaded, sceneClasses(whole, *loaded.scene, loaded.integrator.get()), film, stopFlag(),
+                       isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
   if (why.empty()) return;
   statistics.warnings.push_back(why);
   say("warning: " + why + "\n");

@@ -44,7 +44,7 @@ std::optional<PathClasses> firstPictureClasses(const LoadedScene& loaded, const 
     if (PathAutomaton::compile(c.expression).intersect(claimed).isEmpty()) return {};
     c.expression = "(" + c.expression + ") & (" + claims + ")";
   }
-  PathClasses out = sceneClasses(left, *loaded.scene);
+  PathClasses out = sceneClasses(left, *loaded.scene, loaded.integrator.get());
   if (classes.isTransient()) out.addFrames(classes.frames());
   return out;
 }

@@ -3,12 +3,19 @@
  */
 #include "recurse/core/io/atomicFile.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <chrono>
 #include <climits>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <mutex>
+#include <set>
+#include <string_view>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -67,6 +74,43 @@ bool isSpecialFile(const std::string& target, struct stat& status) {
   return ::stat(target.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
 
+/** Process in the name of a temporary file, `.recurse-PROCESS-NUMBER.tmp`; 0: the name is another. */
+pid_t writerOf(const std::string& name) {
+  constexpr std::string_view PREFIX = ".recurse-";
+  if (!name.starts_with(PREFIX)) return 0;
+  const char* const end = name.data() + name.size();
+  pid_t process = 0;
+  const auto first = std::from_chars(name.data() + PREFIX.size(), end, process);
+  if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') return 0;
+  unsigned number = 0;
+  const auto second = std::from_chars(first.ptr + 1, end, number);
+  if (second.ec != std::errc() || std::string_view(second.ptr, end) != ".tmp") return 0;
+  return std::max(process, 0);
+}
+
+/** Removes temporary files of killed runs from a folder that this process has not visited before. A writer on
+ * another host or in another container cannot be seen, but changes its file within a day. */
+void removeOrphans(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<std::string> visited;
+  {
+    const std::lock_guard<std::mutex> guard(mutex);
+    if (!visited.insert(resolved(folder.string())).second) return;
+  }
+  constexpr std::chrono::hours LONGEST_WRITE(24);
+  std::error_code error;
+  for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    const pid_t writer = writerOf(at->path().filename().string());
+    if (writer == 0) continue;
+    std::error_code unknown;
+    if (at->symlink_status(unknown).type() != fs::file_type::regular) continue;
+    const fs::file_time_type changed = fs::last_write_time(at->path(), unknown);
+    const bool isAlive = ::kill(writer, 0) == 0 || errno != ESRCH;
+    if (!unknown && !isAlive && fs::file_time_type::clock::now() - changed > LONGEST_WRITE)
+      ::unlink(at->path().c_str());
+  }
+}
+
 } // namespace
 
 AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolved(name)) {
@@ -77,6 +121,7 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     if (descriptor < 0) fail(errno);
     return;
   }
+  removeOrphans(folderOf(target));
   static std::atomic<unsigned> counter{0};
   // A file of this name can belong to a process with the same id in another container or on another host, or
   // to one that was killed.

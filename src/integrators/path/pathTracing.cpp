@@ -245,7 +245,7 @@ class PathTracing final : public Integrator {
         radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), source, ray);
       if (out.recorder)
         recordHit(*out.recorder, w.recordedStep, scene, settings.lightSampler, source, ray.direction,
-                  w.bsdfRay, radiance);
+                  w.bsdfRay, settings.lightSamples, radiance);
       if (w.isScattered)
         out.add(light, w.state, w.throughput * radiance, length);
       else

@@ -94,7 +94,8 @@ class PlainPath {
     const bool isShared = caustics && isScattered && !last.weighted; // caustic photons find it as well
     const float weight = isShared ? caustics->rayWeight(scene, caustic.ratio(), source, path.ray) : 1;
     if (out.recorder)
-      recordHit(*out.recorder, lastStep, scene, lights, source, path.ray.direction, last, emitted * weight);
+      recordHit(*out.recorder, lastStep, scene, lights, source, path.ray.direction, last,
+                settings.lightSamples, emitted * weight);
     add(light, path.throughput * emitted * weight, length);
   }
   void addHitLight(const Hit& hit) {

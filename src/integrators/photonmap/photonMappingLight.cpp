@@ -21,7 +21,8 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
   Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
   if (isBlack(radiance)) return;
   if (out.recorder)
-    recordHit(*out.recorder, path.recordedStep, scene, lights, hit, direction, directWeights(path), radiance);
+    recordHit(*out.recorder, path.recordedStep, scene, lights, hit, direction, directWeights(path),
+              settings.lightSamples, radiance);
   if (isShared(path)) {
     const LePdf pdf = photons.pdfLe(
         hit.lightIndex, *hit.areaLight,
@@ -48,7 +49,8 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) continue;
     if (out.recorder)
-      recordHit(*out.recorder, path.recordedStep, scene, lights, i, direction, directWeights(path), radiance);
+      recordHit(*out.recorder, path.recordedStep, scene, lights, i, direction, directWeights(path),
+                settings.lightSamples, radiance);
     if (isShared(path)) {
       const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];

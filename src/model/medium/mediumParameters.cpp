@@ -65,6 +65,11 @@ const std::vector<Preset> PRESETS = {
     {"Pacific Ocean Surface Water", {0.0001764, 0.00032095, 0.00019617}, {0.031845, 0.031324, 0.030147}},
 };
 
+/** Name of the parameter with the factor on Le. */
+const char* emissionScaleName(const Parameters& p) {
+  return p.plugInName() == "nanovdb" && p.has("LeScale") ? "LeScale" : "Lescale";
+}
+
 } // namespace
 
 std::vector<std::string> mediumPresetNames() {
@@ -94,9 +99,8 @@ std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const
 }
 
 double emissionScale(const Parameters& p) {
-  const bool isNanoVdb = p.plugInName() == "nanovdb" && p.has("LeScale");
   double most = 0;
-  for (const double scale : p.reals(isNanoVdb ? "LeScale" : "Lescale")) most = std::max(most, scale);
+  for (const double scale : p.reals(emissionScaleName(p))) most = std::max(most, scale);
   return most;
 }
 
@@ -111,11 +115,16 @@ MediumPoint readMediumPoint(const Parameters& p) {
   MediumPoint m;
   m.absorption = Rgb(absorption * scale);
   m.scattering = Rgb(scattering * scale);
-  m.emission = m.absorption * Rgb(p.spectrum("Le") * emissionScale(p));
+  const Rgbd radiance = p.spectrum("Le");
+  m.emission = m.absorption * Rgb(radiance * emissionScale(p));
   const auto usable = [](const Rgb& c) { return maxComponent(c) <= 1e18f; }; // squares fit; false for NaN
-  if (!usable(m.absorption) || !usable(m.scattering) || !usable(m.emission))
+  if (!usable(m.absorption) || !usable(m.scattering))
     p.fail(p.has("scale") ? "scale" : "sigma_s", "the medium is too dense for single precision",
            "coefficients below 1e18");
+  if (!usable(m.emission))
+    p.fail(maxComponent(radiance) < emissionScale(p) ? emissionScaleName(p) : "Le",
+           "the emission is too high for single precision",
+           "a product of sigma_a, scale, Le and Lescale below 1e18");
   return m;
 }
 

@@ -21,12 +21,13 @@ void addImportParameters(PlugIns& plugIns) {
       [](SceneImport& import, const Parameters& p, const ImportContext&) {
         if (!p.has("camera")) return;
         std::string names;
-        for (const ImportedCamera& camera : import.cameras) {
-          if (camera.name == p.string("camera")) {
-            import.chosen = &camera;
+        for (size_t i = 0; i < import.cameras.size(); ++i) {
+          const std::string& name = import.cameras[i].name;
+          if (name == p.string("camera")) {
+            import.chosen = i;
             return;
           }
-          names += (names.empty() ? "\"" : ", \"") + camera.name + "\"";
+          names += (names.empty() ? "\"" : ", \"") + name + "\"";
         }
         p.fail("camera", "the file has no camera \"" + p.string("camera") + "\"",
                names.empty() ? "no camera at all" : names);
@@ -125,7 +126,7 @@ class ImportExpander {
     }
     if (!object) newObjects.merge(piece.objects);
     placeLights(piece.lights, at, object != nullptr);
-    if (import.chosen) placeCamera(*import.chosen, at);
+    if (const ImportedCamera* camera = import.chosenCamera()) placeCamera(*camera, at);
     scene.importedFiles.insert(scene.importedFiles.end(), import.filesRead.begin(), import.filesRead.end());
     noteContents(import, at);
   }

@@ -15,18 +15,23 @@ namespace {
 constexpr int SPACING = 8, LETTER_SIZE = 2, CAPTION = LINE_STEP * LETTER_SIZE + SPACING;
 constexpr int LARGEST = 480; ///< side of a picture in the sheet [pixels]
 
-/** Linear means of square blocks, so that the longer side is at most LARGEST. */
+/** Linear means of the finite pixels of square blocks, so that the longer side is at most LARGEST. */
 Image reduced(const Image& picture) {
   const int block = (std::max(picture.width, picture.height) + LARGEST - 1) / LARGEST;
   Image out(std::max(1, picture.width / block), std::max(1, picture.height / block), {"R", "G", "B"});
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       Rgb sum{0};
+      int count = 0;
       for (int j = 0; j < block; ++j)
-        for (int i = 0; i < block; ++i)
-          sum += picture.rgb(std::min(x * block + i, picture.width - 1),
-                             std::min(y * block + j, picture.height - 1));
-      sum /= float(block * block);
+        for (int i = 0; i < block; ++i) {
+          const Rgb c = picture.rgb(std::min(x * block + i, picture.width - 1),
+                                    std::min(y * block + j, picture.height - 1));
+          if (!isFinite(c)) continue;
+          sum += c;
+          ++count;
+        }
+      if (count > 0) sum /= float(count);
       std::copy_n(&sum.r, 3, out.at(x, y));
     }
   return out;

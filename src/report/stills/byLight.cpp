@@ -18,6 +18,13 @@ namespace {
 /** Layers of a film, less those that planStills() may add. */
 constexpr size_t MAX_LAYERS = 62;
 
+/** Name that differs from those taken, also in lower case; a number is appended where needed. */
+std::string uniqueName(const std::string& name, std::set<std::string>& taken) {
+  std::string unique = name;
+  for (int i = 2; !taken.insert(lowerCase(unique)).second; ++i) unique = name + "-" + std::to_string(i);
+  return unique;
+}
+
 /** Name of a lamp as the name of a layer: other characters become '-'. */
 std::string layerName(const std::string& lamp, std::set<std::string>& taken) {
   constexpr size_t MAX_LENGTH = 40;
@@ -28,10 +35,7 @@ std::string layerName(const std::string& lamp, std::set<std::string>& taken) {
   }
   while (!name.empty() && !std::isalnum(static_cast<unsigned char>(name.front()))) name.erase(0, 1);
   while (!name.empty() && name.back() == '-') name.pop_back();
-  if (name.empty()) name = "light";
-  std::string unique = name;
-  for (int i = 2; !taken.insert(lowerCase(unique)).second; ++i) unique = name + "-" + std::to_string(i);
-  return unique;
+  return uniqueName(name.empty() ? "light" : name, taken);
 }
 
 /** A lamp as the beginning of an expression. */
@@ -88,9 +92,11 @@ std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
     byLamp.push_back({layerName("other-lights", taken), own.empty() ? "all" : "all - [" + own + "].*E"});
   if (classes.empty()) return byLamp;
   std::vector<PathClass> out;
+  std::set<std::string> takenByClasses;
   for (const PathClass& lamp : byLamp)
     for (const PathClass& c : classes)
-      out.push_back({lamp.name + "-" + c.name, "(" + lamp.expression + ") & (" + c.expression + ")"});
+      out.push_back({uniqueName(lamp.name + "-" + c.name, takenByClasses),
+                     "(" + lamp.expression + ") & (" + c.expression + ")"});
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "recurse/core/io/error.h"
 #include "recurse/scene/parameters/reflectanceColours.h"
 #include "scene/text/lexer.h"
 #include "scene/text/sourceFiles.h"
@@ -132,7 +133,12 @@ Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind ki
   static const Mat3d DCI_P3 = TO_REC709({{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}}, {0.3127, 0.3290});
   static const Mat3d ACES =
       TO_REC709({{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}}, {0.32168, 0.33767});
-  const Mat3d& matrix = name == "rec2020" ? REC2020 : name == "dci-p3" ? DCI_P3 : ACES;
+  const Mat3d* const found = name == "rec2020"      ? &REC2020
+                             : name == "dci-p3"     ? &DCI_P3
+                             : name == "aces2065-1" ? &ACES
+                                                    : nullptr;
+  if (!found) throw Error("colour space \"" + name + "\" does not exist");
+  const Mat3d& matrix = *found;
   if (kind == SpectrumKind::ILLUMINANT) return intoGamut(matrix * value);
   // A factor that absorbs in its colour space must not amplify in Rec. 709.
   return min(intoGamut(matrix * value / (matrix * Rgbd(1))),

@@ -8,22 +8,25 @@
 
 namespace recurse {
 
-/** Sets the source of a contribution: a ray that left by `step` hit an area light. `weighted`: its radiance
- * times the MIS weight. */
+/** Sets the source of a contribution: a ray that left by `step` hit an area light. `lightSamples`: number of
+ * shadow rays that compete with it. `weighted`: its radiance times the MIS weight. */
 inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
-                      const Hit& hit, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
+                      const Hit& hit, const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                      const Rgb& weighted) {
   RecordedSource& s = recorder.source;
   s = {.technique = PathTechnique::HIT, .vertex = s.vertex, .step = step, .end = hit.point.position};
   s.weight = recorded::weightOf(weighted, hit.areaLight->radiance(hit.point, -direction));
   if (!ray.weighted) return;
   s.pdf = ray.pdf;
-  s.otherPdf = lights.probability(scene.lights(), ray.from, hit.lightIndex) *
+  s.otherPdf = static_cast<float>(lightSamples) *
+               lights.probability(scene.lights(), ray.from, hit.lightIndex) *
                hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
 }
 
 /** Sets the source for a ray of unit `direction` that left the scene, and one of its environment lights. */
 inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
-                      size_t which, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
+                      size_t which, const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                      const Rgb& weighted) {
   RecordedSource& s = recorder.source;
   s = {.technique = PathTechnique::HIT, .vertex = s.vertex, .step = step, .end = direction};
   s.isInfinite = true;
@@ -31,7 +34,8 @@ inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, cons
   s.weight = recorded::weightOf(weighted, light.radiance(direction));
   if (!ray.weighted) return;
   s.pdf = ray.pdf;
-  s.otherPdf = lights.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
+  s.otherPdf = static_cast<float>(lightSamples) *
+               lights.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
                lights.pdfLi(light, ray.from.position, direction);
 }
 

@@ -10,6 +10,7 @@
 
 #include "recurse/core/io/error.h"
 #include "recurse/pathclasses/pathNames.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 
@@ -37,7 +38,7 @@ std::string placeOf(const Lamp& lamp) {
 
 } // namespace
 
-PathNames pathNames(const Scene& scene) {
+PathNames pathNames(const Scene& scene, const Integrator* integrator) {
   PathNames names;
   const std::vector<std::string> media = mediumSources(scene);
   for (size_t i = 0; i < scene.lights().size(); ++i) {
@@ -49,6 +50,7 @@ PathNames pathNames(const Scene& scene) {
     if (scene.medium(uint16_t(i + 1))->isEmissive() && any.empty()) any = {media[i]};
   for (size_t i = 0; i < scene.mediumCount(); ++i)
     names.lights.push_back(scene.medium(uint16_t(i + 1))->isEmissive() ? PathNames::List{media[i]} : any);
+  if (integrator && integrator->addsLightOfNoLamp()) names.lights.emplace_back();
   for (uint32_t i = 0; i < scene.objects().size(); ++i) {
     names.objects.push_back({scene.objects().common(i)});
     if (std::string numbered = scene.objects()[i]; numbered != names.objects.back().front())
@@ -61,11 +63,12 @@ PathNames pathNames(const Scene& scene) {
   return names;
 }
 
-PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene) {
+PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene, const Integrator* integrator) {
   const bool named = std::any_of(classes.begin(), classes.end(), [](const PathClass& c) {
     return c.expression.find('\'') != std::string::npos;
   });
-  return named ? PathClasses(std::move(classes), pathNames(scene)) : PathClasses(std::move(classes));
+  return named ? PathClasses(std::move(classes), pathNames(scene, integrator))
+               : PathClasses(std::move(classes));
 }
 
 std::vector<LampGroup> lampGroups(const Scene& scene) {

@@ -13,7 +13,8 @@ namespace recurse {
  * commit(), after which nothing can be written. Without a commit the temporary file is removed and an
  * existing target stays unchanged. Links to existing files are followed, and an existing target keeps its
  * permissions. A terminal, /dev/null and other character devices, and streams that are open already
- * (/dev/stdout), are written directly; other special files are refused, as by checkFileWritable().
+ * (/dev/stdout), are written directly; other special files are refused, as by checkFileWritable(). Temporary
+ * files that killed processes left in the folder a day ago or earlier are removed.
  * Every function throws Error naming the target and the reason.
  */
 class AtomicFile {

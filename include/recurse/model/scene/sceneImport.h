@@ -6,6 +6,7 @@
  */
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +28,15 @@ struct SceneImport {
   MemoryFiles files;                  ///< by their names in the text
   std::vector<std::string> filesRead; ///< paths of all sources: the model, and files beside it
   std::vector<ImportedCamera> cameras;
-  const ImportedCamera* chosen = nullptr;  ///< into `cameras`, by the parameter "camera"; null: none
+  std::optional<size_t> chosen;            ///< index in `cameras`, by the parameter "camera"
   Bounds3d bounds;                         ///< of all shapes, in the space of `text`
   Vec3d up{0, 1, 0}, front{0, 0, 1};       ///< directions that the model's top and front face, unit
   bool isInterior = false;                 ///< true: the model is viewed from inside
   bool hasLights = false;                  ///< false: a sky and a sun are added where the model is the scene
   std::vector<std::string> taken, leftOut; ///< lists for people: "3 materials", "2 animations"
+
+  /** Camera chosen by the parameter "camera"; null: none. */
+  const ImportedCamera* chosenCamera() const { return chosen ? &cameras[*chosen] : nullptr; }
 };
 
 /** Arguments of importers besides parameters. */

@@ -22,7 +22,7 @@ inline double sexticField(double q) { return (1 - q) * square(1 - q); }
 inline double wyvillField(double q) { return 1 + q * (-22 + q * (17 - 4 * q)) / 9; }
 
 /** Blinn's field exp(-4 q) (1982, "A Generalization of Algebraic Surface Drawing"), made to reach 0 at q = 1
- * by (1 - q)² ((1 - q)² + q²), which has the same slope at the centre and differs by up to 0.0202. */
+ * by (1 - q)² ((1 - q)² + q²), which has the same slope at the centre and differs by up to 0.0201. */
 inline double blinnField(double q) { return square(1 - q) * (square(1 - q) + square(q)); }
 
 using BallField = double (*)(double q);

@@ -68,8 +68,8 @@ template <class I, class Context> class Registry {
 
   /**
    * Checks the parameters and makes the plug-in. Returns null for an unknown name, wrong parameters or a
-   * SceneError of the maker, which the diagnostics describe. Passes other exceptions of the maker on.
-   * `lenient`: unknown parameters are warnings.
+   * SceneError of the maker, which the diagnostics describe after its warnings. Passes other exceptions of
+   * the maker on. `lenient`: unknown parameters are warnings.
    */
   std::unique_ptr<I> make(const ParsedDirective& directive, const Context& context, Diagnostics& diagnostics,
                           bool lenient = false) const;
@@ -97,12 +97,16 @@ std::unique_ptr<I> Registry<I, Context>::make(const ParsedDirective& directive, 
     d.severity == Severity::ERROR ? diagnostics.error(d.location, d.message, d.accepted)
                                   : diagnostics.warning(d.location, d.message, d.accepted);
   if (own.hasErrors()) return nullptr;
-  try {
-    std::unique_ptr<I> made = entry->make(parameters, context);
+  const auto reportWarnings = [&] {
     for (const Diagnostic& d : parameters.warnings().all())
       diagnostics.warning(d.location, d.message, d.accepted);
+  };
+  try {
+    std::unique_ptr<I> made = entry->make(parameters, context);
+    reportWarnings();
     return made;
   } catch (const SceneError& e) {
+    reportWarnings();
     for (const Diagnostic& d : e.diagnostics()) diagnostics.error(d.location, d.message, d.accepted);
     if (e.diagnostics().empty()) diagnostics.error(directive.location, e.what());
   }

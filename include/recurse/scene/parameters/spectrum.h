@@ -54,8 +54,8 @@ Mat3d whiteBalance(double kelvin);
 /** Names of pbrt's colour spaces, which rgbInColorSpace() accepts. */
 const std::vector<std::string>& namedColorSpaces();
 /** Linear Rec. 709 of an rgb value in a colour space of namedColorSpaces(), moved into the gamut; unchanged
- * for "srgb" and an empty name. An emission keeps its colour and luminance; a factor is defined by its effect
- * on the white of its space, so that grey stays grey. */
+ * for "srgb" and an empty name. Throws Error for other names. An emission keeps its colour and luminance; a
+ * factor is defined by its effect on the white of its space, so that grey stays grey. */
 Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind kind);
 /** CIE XYZ (2°) of linear Rec. 709. */
 Vec3d xyzOfRgb(const Rgbd& rgb);

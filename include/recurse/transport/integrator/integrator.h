@@ -336,6 +336,8 @@ class Integrator {
   /** Assumptions about these paths that the method makes even where the scene violates them, in words; empty:
    * none. */
   virtual std::string suppositions() const { return {}; }
+  /** Whether it adds light that comes from no lamp of the scene, such as an ambient term. */
+  virtual bool addsLightOfNoLamp() const { return false; }
 };
 
 /** Features of the scene that the integrator does not render, in words; empty: none. */

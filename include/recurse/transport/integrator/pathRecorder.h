@@ -77,8 +77,8 @@ struct RecordedSource {
   /** MIS weight among all techniques that can make the path; 1 for merges of many photons at once. */
   float weight = 1;
   float pdf = 0; ///< density of this technique, for all light samples together [1/sr]; 0: delta, or unknown
-  /** Density of a pair's second technique: a hit, or one light sample [1/sr]; 0: it cannot make the path, or
-   * is unknown. */
+  /** Density of a pair's second technique: a hit, or all light samples together [1/sr]; 0: it cannot make the
+   * path, or is unknown. */
   float otherPdf = 0;
 };
 

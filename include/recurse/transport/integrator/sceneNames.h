@@ -11,14 +11,19 @@
 
 namespace recurse {
 
+class Integrator;
+
 /** Names for path classes: lights by their number in the light table, then media by their index less one;
  * objects by Hit::object, each with its common and its numbered name; materials by Material::number. The N-th
  * lamp of Scene::lamps(), from 1, is called `light-N` if it has no name, the N-th medium `medium-N`; names
- * that are taken get "_" at their end. A medium that emits nothing has the names of the first source. */
-PathNames pathNames(const Scene& scene);
+ * that are taken get "_" at their end. A medium that emits nothing has the names of the first source. A light
+ * without a name follows the media if the integrator adds light of no lamp; null: none does. */
+PathNames pathNames(const Scene& scene, const Integrator* integrator = nullptr);
 
-/** Path classes whose expressions may name lamps and surfaces of the scene. Throws Error like PathClasses. */
-PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
+/** Path classes whose expressions may name lamps and surfaces of the scene, for renders by the integrator as
+ * for pathNames(). Throws Error like PathClasses. */
+PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene,
+                         const Integrator* integrator = nullptr);
 
 /** Light sources of one name. */
 struct LampGroup {
