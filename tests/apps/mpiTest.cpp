@@ -60,7 +60,7 @@ class Mpi : public Program {
     }
     ASSERT_EQ(shell(ranks(2) + "render scene.pbrt -q --checkpoint c.rck --resume -o r.exr" + settings), 0)
         << log();
-    EXPECT_TRUE(readImage(file("r.exr")).pixels == truth) << kills << " kills";
+    EXPECT_TRUE(readImage(file("r.exr")).pixels == truth) << kills << " kills," << settings;
   }
 };
 
