@@ -32,7 +32,7 @@ Worker::~Worker() { MPI_Comm_free(&stages); }
 
 bool Worker::obey(const Command& c) {
   if (c.kind == Command::UNIT) renderer.add(c.id, c.unit);
-  if (c.kind == Command::TAKE_FILM) filmWanted = true;
+  if (c.kind == Command::TAKE_FILM) takeFilm();
   if (c.kind == Command::STAGE) shareStage(allocation->plan());
   if (c.kind == Command::STOP) renderer.stop();
   return c.kind != Command::END;
@@ -83,13 +83,17 @@ std::vector<FullReport> Worker::reports(bool stop) {
   return out;
 }
 
+/** Takes the film after the units that were added before, and before any later one: the leader counts units
+ * by this order. The latest reduction has ended at the leader, so that its end is near here too. */
+void Worker::takeFilm() {
+  while (reduction.isActive())
+    if (!reduced()) std::this_thread::sleep_for(BUSY_POLL);
+  renderer.takeFilm(outgoing);
+}
+
 bool Worker::reduced() {
   const bool ended = reduction.ended();
   if (ended) clear(outgoing);
-  if (filmWanted && !reduction.isActive()) {
-    filmWanted = false;
-    renderer.takeFilm(outgoing);
-  }
   return ended;
 }
 

@@ -40,7 +40,7 @@ class Worker {
   std::vector<FullReport> reports(bool stop);
   /** Advances the reduction. True when it has just ended; the leader then has the sum of films in `sum`. */
   bool reduced();
-  bool isReducing() const { return reduction.isActive() || filmWanted; }
+  bool isReducing() const { return reduction.isActive(); }
   static void clear(Film& film);
 
   UnitRenderer renderer;
@@ -49,12 +49,14 @@ class Worker {
   std::optional<Film> sum; ///< sum of the films of all ranks, at the leader
 
  private:
+  void takeFilm();
+
   SampleAllocation* allocation;
   MPI_Comm stages; ///< communicator of shareStage(), apart from reductions of films
   Figures figures;
   std::clock_t processorStart;
   Clock::time_point told{};
-  bool stopSaid = false, filmWanted = false;
+  bool stopSaid = false;
 };
 
 /** Runs a rank that does not lead, until the end. */
