@@ -211,7 +211,7 @@ class Leader {
   /** Begins the next stage of adaptive samples after all samples of the stages before. */
   void beginStage() {
     if (reason || !allocation || !queue.empty() || unitsOut() > 0 || !isWorkLeft()) return;
-    const int64_t first = stageBegin = allocation->dealtUpTo();
+    const int64_t first = allocation->dealtUpTo();
     allocation->begin(first, std::min(SampleAllocation::stageEnd(first), lastSample), settings.seed);
     queue.giveBack({first, allocation->dealtUpTo(), 0, int64_t(samples.tiles())});
     shareStage();
@@ -304,9 +304,10 @@ class Leader {
     return out;
   }
 
-  /** True if all units in the film have been reported, and the others are of the current stage: those of a
-   * former one could not be rendered again by the plan that is saved. */
+  /** Whether a checkpoint can be saved: every unit in the film has been reported, and every unit that is not
+   * is of the current stage, whose plan the checkpoint has. */
   bool isFilmKnown() const {
+    const int64_t stageBegin = allocation ? allocation->dealtFrom() : 0;
     return std::none_of(dealt.begin(), dealt.end(), [&](const Dealt& d) {
       return d.reduction <= reductionsDone ? !d.finished : d.unit.firstSample < stageBegin;
     });
@@ -363,7 +364,6 @@ class Leader {
   double tiles;
   int64_t firstSample, lastSample;
   SampleAllocation* allocation;
-  int64_t stageBegin = 0; ///< of the stage that began here latest
   WorkQueue queue;
   std::vector<Dealt> dealt; ///< units not finished, or not in the film yet
   int64_t lastId = 0, reductionsBegun = 0, reductionsDone = 0;

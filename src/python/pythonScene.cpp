@@ -101,8 +101,8 @@ RenderResult PythonScene::render(const RenderRequest& request,
   requireFeatureLayers(request.features);
   const Work work(warnings, plan.threads);
   require(plan.overrides);
-  const PathClasses classes = pathClassesOf(request.classes, loaded);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
+  const PathClasses classes = pathClassesOf(request.classes, loaded);
   requireFeatureLayers(request.features, *loaded.integrator);
   apps::withdrawStop();
   apps::RenderResult result =
@@ -125,8 +125,8 @@ PathLists PythonScene::paths(const RenderRequest& request, int x, int y, int64_t
   plan.overrides.lenient |= built.lenient;
   const Work work(warnings, plan.threads);
   require(plan.overrides);
-  const PathClasses classes = pathClassesOf(request.classes, loaded);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
+  const PathClasses classes = pathClassesOf(request.classes, loaded);
   apps::withdrawStop();
   const apps::GracefulStop graceful;
   std::vector<RecordedPixel> pixels(1);

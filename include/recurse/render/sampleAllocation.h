@@ -59,6 +59,8 @@ class SampleAllocation {
 
   /** End of the stage that contains sample number `sample` of the average pixel. */
   static int64_t stageEnd(int64_t sample);
+  /** Beginning of the stage allocated last; 0: none. */
+  int64_t dealtFrom() const { return stage.first; }
   /** End of the stage allocated last; 0: none. */
   int64_t dealtUpTo() const { return stage.end; }
   /** Allocates the stage from `sample` up to `end`, at most stageEnd(sample), unless it is allocated already.

@@ -74,9 +74,11 @@ bool isSpecialFile(const std::string& target, struct stat& status) {
   return ::stat(target.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
 }
 
-/** Process in the name of a temporary file, `.recurse-PROCESS-NUMBER.tmp`; 0: the name is another. */
+/** Name of a temporary file: PREFIX, process, '-', number, SUFFIX. */
+constexpr std::string_view PREFIX = ".recurse-", SUFFIX = ".tmp";
+
+/** Process in the name of a temporary file; 0: the name is another. */
 pid_t writerOf(const std::string& name) {
-  constexpr std::string_view PREFIX = ".recurse-";
   if (!name.starts_with(PREFIX)) return 0;
   const char* const end = name.data() + name.size();
   pid_t process = 0;
@@ -84,7 +86,7 @@ pid_t writerOf(const std::string& name) {
   if (first.ec != std::errc() || first.ptr == end || *first.ptr != '-') return 0;
   unsigned number = 0;
   const auto second = std::from_chars(first.ptr + 1, end, number);
-  if (second.ec != std::errc() || std::string_view(second.ptr, end) != ".tmp") return 0;
+  if (second.ec != std::errc() || std::string_view(second.ptr, end) != SUFFIX) return 0;
   return std::max(process, 0);
 }
 
@@ -128,8 +130,8 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
   constexpr int MAX_TRIES = 100'000;
   int tries = 0;
   do {
-    temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
-                                     std::to_string(counter.fetch_add(1)) + ".tmp"))
+    temporary = (folderOf(target) / (std::string(PREFIX) + std::to_string(::getpid()) + "-" +
+                                     std::to_string(counter.fetch_add(1)) + std::string(SUFFIX)))
                     .string();
     descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   } while (descriptor < 0 && errno == EEXIST && ++tries < MAX_TRIES);

@@ -84,7 +84,8 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
   const ScatteringPoint& scattering = *vertex.scattering;
   if (!scattering.hasDelta() || out.pathClasses().dead(vertex.afterS)) return false;
   path.weights.merge.arrive(path.walk.ray.direction, vertex.point());
-  // Of many faces one behind the other, the last ones add little for the work of all paths through them.
+  // Maximum number of events after which a path splits. In a stack of panes every branch passes all panes
+  // again.
   constexpr int MAX_SPLITTING_DEPTH = 8;
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);

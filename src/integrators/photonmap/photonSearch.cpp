@@ -107,14 +107,14 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
    * the variance of one of 32 passes. */
   constexpr double UNSURE_FRACTION = 0.01 * 32;
   GatherSettings& gather = query.settings;
-  gather.weighedAgainstRays = true;
+  gather.weighedAgainstRays = settings.without != Mechanism::MERGE_WEIGHTS;
   gather.merging = gather.unknownWeight = 0;
   if (tooFew || indirectLayer.cache().size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
   const auto variance = double(record.variance), squared = square(double(record.irradiance));
-  // Where no photon came in the first pass, errors are unknown. Rays alone would be fireflies beside a lamp
-  // that few photons leave this way.
+  // Without photons in the first pass their error is unknown. Weights by densities alone then avoid the
+  // fireflies of rays that meet surfaces close to a lamp.
   gather.merging = static_cast<float>(emitted);
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
   const double pixels =
@@ -127,7 +127,6 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   gather.merging = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
   errors.byRays = double(record.worth.raysVariance);
   gather.unknownWeight = errors.photonWeight(1);
-  if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
 }
 
 float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,

@@ -159,7 +159,8 @@ void Cells::weigh(const std::vector<double>& factors) {
             square(2 * side);
         const size_t i = cell * 3 + c;
         weights[i] = 1 / (square(light[i]) + square(dark));
-        // A few pixels are too few to know a small variance; a large one is that of a bright pixel.
+        // The own noise of a cell counts in full where it has bright pixels. A smaller one is known too
+        // poorly.
         variances[i] = std::max(noise[i], noiseNear[i]) + square(PIXEL_TOLERANCE) * slope +
                        square(CELL_TOLERANCE) * (square(prediction[i]) + square(dark));
       }
@@ -187,12 +188,12 @@ ClassSums Cells::sums(const CellRange& range) const {
             const double aj = double(a[3 * j + c]), bj = double(b[3 * j + c]);
             out.matrix[i * layers + j] += half * (ai * bj + bi * aj);
             out.covariance[i * layers + j] += spread * (ai * aj + bi * bj);
-            // The picture has noise of the class where the reference has, though it may not show it.
-            if (i == j)
-              out.covariance[i * layers + i] +=
-                  2 * square(half) * (ai * aj + bi * bj) * double(layerNoise[(cell * layers + i) * 3 + c]);
             out.ordinaryMatrix[i * layers + j] += half / 2 * (ai + bi) * (aj + bj);
           }
+          // Noise of the class in the picture, which few samples may not show: taken to be that of the
+          // reference.
+          out.covariance[i * layers + i] +=
+              2 * square(half) * (ai * ai + bi * bi) * double(layerNoise[(cell * layers + i) * 3 + c]);
         }
       }
     }

@@ -70,7 +70,8 @@ class Cells {
   size_t layers, stride;
   std::vector<float> means; ///< by cell, black half then white: R, G, B of the picture, then of each layer
   std::vector<char> usable; ///< cell by cell
-  std::vector<float> layerNoise; ///< by cell, three channels of each layer: variance of the layer's mean
+  std::vector<float>
+      layerNoise; ///< by cell, three channels of each layer: variance of the mean of its pixels
   std::vector<double> weights, variances; ///< cell by cell, three channels, of the mean
 };
 
