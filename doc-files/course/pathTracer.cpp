@@ -48,7 +48,7 @@ std::optional<Refraction> refracted(const Vec3f& wo, float eta) {
 }
 
 // Gap 9: density of a lamp point by solid angle [1/sr], from its density by area [1/length²]; and the MIS
-// weight of a sample that was found with the density pdf, and by the other technique with otherPdf.
+// weight of a sample that has the density pdf by its own technique and otherPdf by the alternative.
 float pdfSolidAngle(float pdfArea, float distance2, float cosLamp) {
   return 0; // gap 9 is open
 }

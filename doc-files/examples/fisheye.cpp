@@ -61,8 +61,8 @@ class Fisheye final : public Camera {
   }
 
  private:
-  /** Of the directions of rays over the whole film [1/sr]: a ring of the film is 2π θ dθ / perPixel² pixels,
-   * and its solid angle 2π sin θ dθ. */
+  /** Density of the directions of rays over the whole film [1/sr]: a ring of the film is 2π θ dθ / perPixel²
+   * pixels, and its solid angle 2π sin θ dθ. */
   double density(const CameraFrame& frame, const Vec3d& direction) const {
     const double theta = std::atan2(glm::length(Vec2d(direction)), direction.z);
     const double ratio = theta > 0 ? theta / std::sin(theta) : 1;

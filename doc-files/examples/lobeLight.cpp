@@ -30,7 +30,7 @@ class LobeLight final : public Light {
   }
   LePdf pdfLe(const LeRay& ray) const override { return {0, pdf(glm::dot(ray.direction, frame.z)), true}; }
 
-  /** What a shadow ray asks for: the direction to the light, and the irradiance across it. */
+  /** Result for a shadow ray: the direction to the light, and the irradiance perpendicular to it. */
   std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
     const Vec3f towards = position - point;
     const float distance = glm::length(towards);

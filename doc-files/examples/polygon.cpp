@@ -55,7 +55,7 @@ class Polygon final : public Shape {
     SurfacePoint s;
     s.position = Vec3f(position);
     s.geometricNormal = s.shadingNormal = Vec3f(normal * outside);
-    // Rounding: a few units of it in double precision, and what a grazing ray needs.
+    // Rounding error: a few units of double precision, and the offset that a grazing ray needs.
     const Vec3d extent = 2.0 * glm::sqrt(axisX * axisX + axisY * axisY);
     s.error = positionError(position, 0x1p-50 * (glm::abs(axisX) + glm::abs(axisY) + glm::abs(center)),
                             normal, flatOffset(extent, position, normal));

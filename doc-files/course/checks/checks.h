@@ -1,6 +1,4 @@
-/** @file
- * Checks of the gaps: verdicts with hints, and tools to find out what is wrong with a formula.
- */
+/** @file Checks of the gaps: verdicts with hints, and tools to diagnose a wrong formula. */
 #pragma once
 
 #include <functional>
@@ -37,7 +35,7 @@ std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 /** Text in lines of at most 100 characters, each with the indent. */
 std::string wrapped(const std::string& words, const std::string& indent);
 
-/** Whether a number is another one up to rounding, or up to a relative tolerance. */
+/** Whether two numbers are equal up to rounding, or up to a relative tolerance. */
 bool isNear(double a, double b, double tolerance = 1e-4);
 bool isNear(const Rgb& a, const Rgb& b, double tolerance = 1e-4);
 

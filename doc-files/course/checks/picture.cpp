@@ -64,8 +64,8 @@ Image pictureOf(Tracer& tracer, const Scene& scene, int samples) {
   return rendered(scene, tracer, {{"all", "L(S|D|V)*E"}}, samples, 1).layerImage(0);
 }
 
-/** File of the reference, with all in its name that decides what it shows but the scene: the version of
- * Recurse, the number of samples and the classes. */
+/** File of the reference. Its name contains all inputs except the scene: the version of Recurse, the number
+ * of samples and the classes. */
 std::string referenceFileName() {
   std::string classes;
   for (const PathClass& c : CLASSES) classes += c.name + " " + c.expression + "\n";

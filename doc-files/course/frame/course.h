@@ -73,7 +73,7 @@ Ray rayFrom(const Surface& surface, const Vec3f& local);
 /** Direction after a mirror or glass, in the frame of the surface; at glass by the Fresnel reflectance. */
 Vec3f specularStep(const Surface& surface, Sampler& sampler);
 
-/** What a ray sees through mirrors and glass. */
+/** Result of tracing a ray through mirrors and glass. */
 struct Seen {
   std::optional<Surface> surface; ///< the first diffuse surface; empty: none
   Rgb weight{1};                  ///< reflectance of the mirrors on the way
