@@ -9,7 +9,7 @@ Scenes that have pictures beside them, NAME.a.exr and NAME.b.exr, are compared w
 the reference, which are kept. What is measured is kept in build/ablation, and not measured again.
 
   scripts/study/ablation.py --seeds 8 --samples 4 scenes/window.pbrt
-  scripts/study/ablation.py --only 'boundary correction' --only 'judged radii'
+  scripts/study/ablation.py --only 'boundary correction' --only 'radii chosen by error'
 """
 import datetime
 import json
@@ -27,16 +27,16 @@ MAP, GATHER = [], ['finalgather=4']
 # Name, settings with it, settings that leave it out besides; the last integrator that is named, or photonmap.
 MECHANISMS = [
     ('guided emission', MAP, ['guided=false']),
-    ('openings for shadow rays', MAP, ['without=shadowopenings']),
-    ('light choice by place, and these', MAP, ['without=lightlearning']),
-    ('split of strong photons', MAP, ['without=splitting']),
-    ('judged radii', MAP, ['without=judgedradii']),
+    ('portals for shadow rays', MAP, ['without=shadowopenings']),
+    ('learned light selection and portals', MAP, ['without=lightlearning']),
+    ('photon splitting', MAP, ['without=splitting']),
+    ('radii chosen by error', MAP, ['without=judgedradii']),
     ('merge weights', MAP, ['without=mergeweights']),
     ('boundary correction', MAP, ['edges=false']),
-    ('rays beside the map', MAP, ['finalgather=0']),
-    ('rays by sharp rough lobes', MAP, ['followroughness=0']),
+    ('indirect light by rays', MAP, ['finalgather=0']),
+    ('rays from glossy lobes', MAP, ['followroughness=0']),
     ('Epanechnikov kernel', MAP, ['kernel=constant']),
-    ('trial of path tracing', ['auto'], ['photonmap']),
+    ('path tracing chosen by trial', ['auto'], ['photonmap']),
     ('shared irradiance', GATHER, ['shareirradiance=false']),
 ]
 
@@ -113,14 +113,14 @@ def title(scene):
 
 def page(scenes, results):
     """The text of the page; `results` by samples, then by scene."""
-    out = '''# What each mechanism of photonmap earns
+    out = '''# The gain of each mechanism of photonmap
 
 Made by `scripts/study/ablation.py` on %s, commit %s; not edited by hand. Each number is the noise-free relMSE without a
 mechanism over that with it, in the same processor time: at one pixel / after averaging 8x8 pixels, each with its standard
-error from %d seeds. Above 1 the mechanism helps; `=`: it does nothing in this scene, the pictures are the same; `–`: the
-error is below what the reference tells; empty: not measured. What learning takes once is in the processor time. The row of the
-trial is of `auto`; shared irradiance is measured with
-`finalgather=4`. Adaptive samples have a measure of their own, `scripts/study/adaptive.py`.
+error from %d seeds. Above 1 the mechanism helps; `=`: it has no effect in this scene, the pictures are the same; `–`: the
+error is smaller than the uncertainty of the reference; empty: not measured. Processor time includes the initial learning. The
+row of the trial is for `auto`; shared irradiance is measured with `finalgather=4`. `scripts/study/adaptive.py` measures
+adaptive samples. `learned light selection and portals` removes both.
 ''' % (datetime.date.today(), commit(), OPTIONS.seeds)
     for samples in OPTIONS.samples:
         shown = [s for s in scenes if results.get(key(s, samples))]

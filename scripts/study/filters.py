@@ -157,7 +157,7 @@ def main():
                 f"{100 * starContrast(pictures['siemens-star1'], STAR_FREQUENCY):.0f} % | {100 * overshoot:.1f} % |\n"
         print(rows.splitlines()[-1], flush=True)
     subprocess.run(["convert", *sheet, "+append", "-quality", "85", ROOT / "doc-files/results/filters.jpg"], check=True)
-    (ROOT / "doc-files/results/filters.md").write_text(f"""# What pixel filters do to fine detail
+    (ROOT / "doc-files/results/filters.md").write_text(f"""# Pixel filters and fine detail
 
 Made by `scripts/study/filters.py` on {study.provenance()}, with {SAMPLES} samples per pixel and each filter's own defaults; not edited by hand.
 
@@ -166,12 +166,12 @@ Made by `scripts/study/filters.py` on {study.provenance()}, with {SAMPLES} sampl
 | filter | aliasing | MTF50 [cycles per pixel] | contrast at {STAR_FREQUENCY} cycles per pixel | overshoot |
 | --- | ---: | ---: | ---: | ---: |
 {rows}
-- **aliasing**: of rings finer than pixels can tell, 0.62 to 0.99 cycles per pixel
-  ([scenes/filters/zone-plate.pbrt](../../scenes/filters/zone-plate.pbrt)): what is left of their deviation from even grey. Less is better.
-- **MTF50**: where an edge keeps half of its contrast, by the method of ISO 12233
-  ([scenes/filters/slanted-edge.pbrt](../../scenes/filters/slanted-edge.pbrt)). More is sharper; 0.5 is the finest that pixels can tell.
-- **contrast**: of a Siemens star's spokes ([scenes/filters/siemens-star.pbrt](../../scenes/filters/siemens-star.pbrt)).
-- **overshoot**: of the edge beyond black and white, in parts of its height.
+- **aliasing**: of rings that pixels cannot resolve, 0.62 to 0.99 cycles per pixel
+  ([scenes/filters/zone-plate.pbrt](../../scenes/filters/zone-plate.pbrt)): the deviation from uniform grey, relative to the rings themselves. Less is better.
+- **MTF50**: the frequency at which an edge keeps half of its contrast, by the method of ISO 12233
+  ([scenes/filters/slanted-edge.pbrt](../../scenes/filters/slanted-edge.pbrt)). More is sharper; pixels resolve at most 0.5.
+- **contrast**: contrast of the spokes of a Siemens star ([scenes/filters/siemens-star.pbrt](../../scenes/filters/siemens-star.pbrt)).
+- **overshoot**: of the edge beyond black and white, relative to its height.
 """)
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Renders the table of a Monte Carlo course report again, and writes doc-files/results/hexroom.md and doc-files/results/hexroom.jpg.
 
-The hexagonal room with the five settings of the report: what it took then, what it takes here, and how much error is
-left. Takes a few minutes. The converged reference of all light is looked for in
+The hexagonal room with the five settings of the report: time then, time now, and the remaining error.
+ Takes a few minutes. The converged reference of all light is looked for in
 ../shared/reference; without it one is rendered, and the page says so. --reach: only the time that photonmap and path take
 to the error of the last row, as the page has it.
 """
@@ -25,8 +25,8 @@ Made by `scripts/study/hexroom.py` on %(provenance)s; not edited by hand.
 
 A Monte Carlo course report gives a table of five renderings of a room with six coloured walls, a diffuse and a mirror
 sphere, a tetrahedron and a lamp of 2x1 under the ceiling ([scenes/hexroom.pbrt](../../scenes/hexroom.pbrt)): 800x800
-pixels, paths of at most three bounces, and so many samples per pixel and shadow rays at each bounce. Here is the same
-table with the same parameters, by `--integrator path --maxdepth %(bounces)d --spp N --light-samples N`.
+pixels, paths of at most three bounces, and given numbers of samples per pixel and of shadow rays at each bounce. This
+is the same table with the same parameters, by `--integrator path --maxdepth %(bounces)d --spp N --light-samples N`.
 
 ![The room, 50 samples per pixel and 3 shadow rays, reduced to 560x560](hexroom.jpg)
 
@@ -35,20 +35,20 @@ table with the same parameters, by `--integrator path --maxdepth %(bounces)d --s
 %(rows)s
 - **here**: processor time of the render alone, of its %(threads)d threads together, on %(machine)s, at a load average
   of %(load).2f before.
-- **noise left**: relMSE against a converged picture with the same three bounces, that is what more samples would
-  still take away: mean of (x−a)(x−b)/(r²+ε), ε = 0.01, no trim, where a and b are two independent pictures of
-  %(noise)d samples and r is their mean. Their own noise does not count.
+- **noise left**: relMSE against a converged picture with the same three bounces, which is the error that more samples
+  would remove: mean of (x−a)(x−b)/(r²+ε), ε = 0.01, no trim, where a and b are two independent pictures of
+  %(noise)d samples and r is their mean. Their own noise is not included.
 - **error left, all light**: the same measure for the same settings against a reference with paths of any length,
   %(full)s.
-  It has in it what the fourth and later bounces would add, which no number of samples brings back.
+  It includes the missing light of the fourth and later bounces, which more samples do not add.
 - **light that is there**: mean of that picture over mean of that reference.
 '''
 REACH = '''
 ## The time to the error of the last row
 
-That row leaves an error of %(target).3g against all light, after 80 minutes then. Renders of the same
-room and size as that reference, each with twice the time limit of the one before, until they are as near; seconds of wall
-time and of the processor, on %(threads)d threads, at a load average of %(load).2f before.
+That row leaves an error of %(target).3g against all light, after 80 minutes then. The table has renders
+of the same room and size as the reference, each with twice the time limit of the one before, until the error is as small, with
+wall time and processor time, on %(threads)d threads, at a load average of %(load).2f before.
 Where the limit ends before the first photon map is ready, the picture is one sample of each pixel by path tracing: its error is
 high.
 

@@ -16,10 +16,10 @@ SCENES = (('hexroom', '200x200', 600, 'The hexagonal room of a course report'),
 HEAD = '''# Methods side by side
 
 Made by `scripts/study/methods.py` on %s; not edited by hand. Each method has %s on %d threads, %s, with a load
-average of %.2f before. Left in each pair is what a method makes of the scene, right what is not in it: the difference
-from the reference, where it is darker. The tables are those that `recurse methods` prints. **error** is relMSE against all
-light, **own error** and **own mean** against the light of those paths that the method computes, which are told as an
-expression; **left out** is the part of the light on all other paths.
+average of %.2f before. Left in each pair is the picture of the method, right its missing light: the difference from
+the reference where the picture is darker. The tables are the output of `recurse methods`. **error** is relMSE against all
+light, **own error** and **own mean** against the light on the paths that the method computes, which the last column gives
+as an expression; **left out** is the fraction of the light on all other paths.
 '''
 SECTION = '''
 ## %(title)s

@@ -69,7 +69,7 @@ def main():
     page = study.ROOT / 'doc-files/results/samplers'
     header = '| scene | samples | ' + ' | '.join(f'`{s}`' for s in SAMPLERS) + ' |\n| --- | ---: |' + ' ---: |' * len(SAMPLERS)
     times = ', '.join('`%s` %.2f' % (s, seconds[s] / seconds['sobol']) for s in SAMPLERS)
-    page.with_suffix('.md').write_text(f"""# What samplers do to the error
+    page.with_suffix('.md').write_text(f"""# Samplers and the error
 
 Made by `scripts/study/samplers.py --width {options.width} --reference {options.reference}` on {study.provenance()}, by `path` at
 {options.width} pixels of width (ring: direct light); not edited by hand. The reference has {options.reference} samples; errors are means over {len(SEEDS)} seeds.
@@ -78,7 +78,7 @@ Relative mean squared error without the worst thousandth of the pixels (`relmse_
 
 {header}
 {rows}
-Visible difference (FLIP), which weights errors as an eye does that sees fine noise less:
+Visible difference (FLIP), which gives fine noise a low weight, as the human eye does:
 
 {header}
 {seen}
@@ -87,7 +87,7 @@ Processor time of all renders relative to `sobol`: {times}.
 The default is `sobol`: its error is the least or within an eighth of it everywhere, any number of samples continues the
 sequence, and its pixels are independent, which estimates of the error over neighbours rely on. `zsobol` has the same error,
 and with few samples its noise is less visible: a fifth less at 4 samples where the light is simple. `stratified` is as good if
-the number of samples is that of its cells.
+the number of samples equals the number of its cells.
 """)
 
 
