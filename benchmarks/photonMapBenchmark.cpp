@@ -1,14 +1,14 @@
-/** @file
- * The photon map against FLANN: the same photons and the same queries, measured by turns in one run.
+/** @file The photon map against FLANN: the same photons and the same queries, measured by turns in one run.
  *
- * Photons lie on the surfaces of a Cornell box, 70% spread and 30% in one caustic spot, in random order of
- * emission. Queries are what the pixels of a picture see, line by line. A query sums power times kernel over
- * what it finds; all indices must agree on the number found and on the sum. FLANN is used as directly as it
- * can be: it reads positions in place and a result set sums as it finds. Queries run on one thread, builds
- * on two (FLANN's has one thread only).
+ * Photons are on the surfaces of a Cornell box, 70% spread and 30% in one caustic spot, in random order of
+ * emission. Queries are at the visible points of the pixels of a picture, line by line. A query sums power
+ * times kernel over the photons found; all indices must agree on their number and on the sum. FLANN has no
+ * overhead of an adapter: it reads positions in place, and a result set sums during the search. Queries run
+ * on one thread, builds on two (FLANN's has one thread only).
  *
  * The last line is for programs: ratios are FLANN's time ÷ ours, the median over the rounds, with 1M photons
- * and 50 found on average. Builds start from nothing, page faults included. `--large` adds 10M photons.
+ * and 50 found on average. Builds allocate new memory, so their times include page faults. `--large` adds
+ * 10M photons.
  */
 #include <algorithm>
 #include <chrono>
@@ -101,7 +101,7 @@ struct Query {
   Vec3f point, normal;
 };
 
-/** What the pixels of a square picture see, line by line. */
+/** Visible points of the pixels of a square picture, line by line. */
 std::vector<Query> makeQueries(int resolution) {
   std::vector<Query> queries;
   const Vec3f eye(0, 0, -3.8f);
@@ -139,7 +139,7 @@ std::vector<Query> makeQueries(int resolution) {
   return queries;
 }
 
-/** The same photons along a Morton curve: the best order that FLANN could be fed in. */
+/** Photons sorted along a Morton curve, the best input order for FLANN. */
 std::vector<Photon> mortonSorted(const std::vector<Photon>& photons) {
   const auto spread = [](float x) {
     uint64_t bits = static_cast<uint64_t>((std::clamp(x, -1.5f, 1.5f) + 1.5f) / 3 * 2097151.0f), code = 0;
@@ -159,7 +159,7 @@ std::vector<Photon> mortonSorted(const std::vector<Photon>& photons) {
 
 // --------------------------------------------------------------------------------------------- estimates
 
-/** What all queries of a round came to. */
+/** Results of all queries of a round. */
 struct Total {
   double sum = 0;
   uint64_t found = 0;
@@ -308,7 +308,7 @@ class HeapResult final : public flann::ResultSet<float> {
   std::vector<std::pair<float, uint32_t>> heap;
 };
 
-/** The radius with which the queries find so many photons on average. */
+/** Radius with which the queries find `mean` photons on average. */
 float radiusFor(const PhotonMap& map, const std::vector<Query>& queries, double mean) {
   std::vector<Query> some;
   for (size_t i = 0; i < queries.size(); i += 37) some.push_back(queries[i]);

@@ -49,7 +49,7 @@ std::unique_ptr<Scene> load(const char* file, int size) {
   return scene;
 }
 
-/** Those that the stills show first, and the rest in one. */
+/** The first seven default classes of stills, and all others in one class. */
 PathClasses eightClasses() {
   std::vector<PathClass> classes = defaultStillClasses();
   classes.resize(7);

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""What each mechanism of `photonmap` earns: renders scenes with one after the other off, in the same processor time.
+"""Gain of each mechanism of `photonmap`: renders scenes without each mechanism in turn, in the same processor time.
 
-Each SCENE is rendered by `photonmap` as it is and with one mechanism after the other off, with each number of SAMPLES.
-The page, doc-files/results/ablation.md by default, has the ratio of noise-free relMSE, without over with the mechanism,
+Each SCENE is rendered by `photonmap` with all mechanisms and without each in turn, with each number of SAMPLES. The
+page, doc-files/results/ablation.md by default, has the ratio of noise-free relMSE, without over with the mechanism,
 at one pixel and after averaging 8x8, with its standard error from several seeds. Without a SCENE: six of
-../shared/reference and eight of ../shared/real/unseen where they are there, and two of scenes/; eight of scenes/ else.
-Scenes that have pictures beside them, NAME.a.exr and NAME.b.exr, are compared with those; of others two long renders are
-the reference, which are kept. What is measured is kept in build/ablation, and not measured again.
+../shared/reference and eight of ../shared/real/unseen if they exist, and two of scenes/; otherwise eight of scenes/.
+Scenes that have pictures beside them, NAME.a.exr and NAME.b.exr, are compared with those; for all other scenes two
+long renders are the reference, which are kept. Results are kept in build/ablation, and not measured again.
 
   scripts/study/ablation.py --seeds 8 --samples 4 scenes/window.pbrt
   scripts/study/ablation.py --only 'boundary correction' --only 'radii chosen by error'
@@ -24,7 +24,8 @@ FIRST_SEED = 1001  # references have others
 SAME_TIME = 0.25   # difference of processor times that is made up for as if the error fell as 1/time
 
 MAP, GATHER = [], ['finalgather=4']
-# Name, settings with it, settings that leave it out besides; the last integrator that is named, or photonmap.
+# Name, settings with the mechanism, additional settings that switch it off; the integrator is the last one
+# named, or photonmap.
 MECHANISMS = [
     ('guided emission', MAP, ['guided=false']),
     ('portals for shadow rays', MAP, ['without=shadowopenings']),
@@ -59,7 +60,7 @@ class Measurement:
         self.scene, self.samples, self.size, self.target = scene, samples, size, target
 
     def render(self, settings, count, seed):
-        """Errors at one pixel and at 8, processor time, and what of it was learning."""
+        """Errors at one pixel and at 8, processor time, and the processor time of learning."""
         integrator = ([s for s in settings if '=' not in s] or ['photonmap'])[-1]
         options = [o for s in settings if '=' in s for o in ('--set', s)]
         stats = study.render(self.scene, study.temporary('x.exr'), *self.size, '--integrator', integrator, '--nthreads',
@@ -69,13 +70,13 @@ class Measurement:
                 stats['processor_seconds_by_part']['learning'])
 
     def samplesFor(self, wanted, seconds, learning):
-        """Samples that take the wanted time, of which so many as here took `seconds`."""
+        """Number of samples that takes the wanted time, if `self.samples` took `seconds`."""
         if abs(seconds / wanted - 1) < SAME_TIME: return self.samples
         return max(1, round(self.samples * (wanted - learning) / max(seconds - learning, 1e-3)))
 
     def measure(self, skipped):
-        """By mechanism the ratios of errors at one pixel and at 8; None where the pictures are the same. All take turns,
-        so that other load meets all of them."""
+        """Ratios of errors at one pixel and at 8 for each mechanism; None where the pictures are the same. Mechanisms
+        are rendered in turn, so that other load affects all of them."""
         chosen = [m for m in MECHANISMS if m[0] not in skipped and (not OPTIONS.only or m[0] in OPTIONS.only)]
         bases, counts, others = {}, {}, {name: [] for name, _, _ in chosen}
         for seed in range(FIRST_SEED, FIRST_SEED + OPTIONS.seeds):
@@ -94,7 +95,8 @@ class Measurement:
         found = {}
         for name, on, _ in chosen:
             other, base = others[name], bases[tuple(on)]
-            # What rounding to whole samples leaves over of the time, as if the error fell as 1/time.
+            # Ratio of times that rounding to whole samples leaves; it is applied as if the error decreased
+            # as 1/time.
             over = sum(o[2] for o in other) / sum(b[2] for b in base)
             found[name] = [study.ratio([o[k] * over for o in other], [b[k] for b in base])
                            for k in (0, 1)] if other else None
@@ -166,7 +168,7 @@ def main():
         for scene in scenes:
             known = results.setdefault(key(scene, samples), {})
             wanted = {m[0] for m in MECHANISMS if not OPTIONS.only or m[0] in OPTIONS.only}
-            # What makes no difference with few samples makes none with many.
+            # A mechanism without effect with few samples has none with many.
             for fewer in OPTIONS.samples:
                 for name, value in results.get(key(scene, fewer), {}).items():
                     if value is None: known.setdefault(name, None)

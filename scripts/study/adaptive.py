@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What adaptive samples are worth: renders with and without them, and prints the time to the same error as a ratio.
+"""Gain of adaptive samples: renders with and without them, and prints the time to the same error as a ratio.
 
-Scenes are rendered with and without --adaptive at the same number of samples on average, and with twice as many of the
-same for all pixels, with several seeds each. The table has noise-free relMSE of even samples, its exponent from there to
-twice as many, the ratios adaptive over even of relMSE and of processor time, and from these the time to the same error
-as a ratio (as if the exponent were -1 where it is less: no samples mend what all pixels share). plates, cornell and
-other scenes with references come from ../shared/reference and are left out where it is missing; scenes/trellis.pbrt
-gets references by path tracing, with light that comes straight from the sun (maxdepth 1) and with all. Takes about ten
-minutes.
+Scenes are rendered with and without --adaptive at the same number of samples on average, and with twice that number,
+equal for all pixels, with several seeds each. The table has noise-free relMSE of uniform samples, its exponent
+between the two numbers of samples, the ratios of adaptive to uniform relMSE and processor time, and from these the
+time to the same error as a ratio (as if the exponent were -1 where it is less: samples do not reduce an error that
+all pixels share). plates, cornell and other scenes with references come from ../shared/reference and are left out
+where it is missing; scenes/trellis.pbrt gets references by path tracing, with direct light of the sun (maxdepth 1)
+and with all light. Takes about ten minutes.
 """
 import math
 

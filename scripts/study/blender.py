@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Renders ten scenes by the Blender add-on and by Cycles into doc-files/blender.jpg: of each pair the left one is
-Recurse's. Prints the means of Recurse over those of Cycles. With --large, prints instead how long the add-on takes to
-write a large scene, and the program to start it. Needs Blender, the Python module in build/release, and the system's Python,
-beside which Blender looks for its modules.
+"""Renders ten scenes by the Blender add-on and by Cycles into doc-files/blender.jpg: Recurse is on the left of each
+pair. Prints the ratios of the means, Recurse over Cycles. With --large, prints instead the time that the add-on takes
+to write a large scene, and the program to start it. Needs Blender, the Python module in build/release, and the
+system's Python, beside which Blender looks for its modules.
 """
 import argparse
 import json

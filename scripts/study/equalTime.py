@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Compares two ways of rendering at equal processor time: the ratio of their errors at one pixel and over 8x8 pixels.
 
-Each SCENE is rendered with the options A and B, on one thread, with as many samples as take SECONDS of processor time
-by a calibration; the errors are multiplied by the time that was really taken. The table has the noise-free relMSE of
-both, and the ratio A over B with its standard error from several seeds: above 1, B is the better one. With --classes
-it has a row for each class of paths, by `recurse stills`.
+Each SCENE is rendered with the options A and B, on one thread, with a number of samples that takes SECONDS of
+processor time by a calibration; the errors are multiplied by the measured time. The table has the noise-free relMSE
+of both, and the ratio A over B with its standard error from several seeds: above 1, B is the better one. With
+--classes it has a row for each class of paths, by `recurse stills`.
 
-Scenes with pictures beside them, NAME.a.exr and NAME.b.exr, are compared with those, at their size; of others, and of
-classes, two long renders are the reference, which are kept and not made again. Without a SCENE: those of scenes/ and,
-where they are there, of ../shared/real, its folder `unseen` too.
+Scenes with pictures beside them, NAME.a.exr and NAME.b.exr, are compared with those, at their size; for all other
+scenes, and for classes, two long renders are the reference, which are kept. Without a SCENE: all of scenes/ and, if
+it exists, of ../shared/real with its folder `unseen`.
 
   scripts/study/equalTime.py scenes/window.pbrt --a '--integrator path' --b '--integrator vcm' --seeds 2 --seconds 10
 """

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Measures what pixel filters do to fine detail, and writes doc-files/results/filters.md and doc-files/results/filters.jpg.
+"""Measures the effect of pixel filters on fine detail, and writes doc-files/results/filters.md and
+doc-files/results/filters.jpg.
 
   scripts/study/filters.py            renders scenes/filters/zone-plate.pbrt, slanted-edge.pbrt and siemens-star.pbrt by every filter
   scripts/study/filters.py --scenes   writes these three scenes, which are made of black disks and triangles before a white sky
 
-Aliasing is what is left of the zone plate's rings where they are finer than pixels can tell (0.62 to 0.99 cycles per
-pixel): the deviation from even grey there, relative to that of the rings themselves. Sharpness is the frequency at
-which a slanted edge keeps half of its contrast (MTF50, by the method of ISO 12233), and the contrast of the star's
-spokes at about a quarter of a cycle per pixel. Overshoot is how far an edge goes beyond black and white.
+Aliasing is the remaining contrast of the zone plate's rings that pixels cannot resolve (0.62 to 0.99 cycles per
+pixel): the deviation from uniform grey there, relative to the rings themselves. Sharpness is the frequency at which a
+slanted edge keeps half of its contrast (MTF50, by the method of ISO 12233), and the contrast of the star's spokes at
+about a quarter of a cycle per pixel. Overshoot is how far an edge goes beyond black and white.
 """
 import cmath
 import math
@@ -93,7 +94,7 @@ def radial(picture):
 
 
 def aliasing(one, other):
-    """Of two renders whose noise is independent, so that it is not counted."""
+    """Aliasing of two renders with independent noise, which the covariance excludes."""
     low, high = (f / FINEST * SIZE / 2 for f in (0.62, 0.99))
     pairs = [(a, b) for (r, _, a), (_, _, b) in zip(radial(one), radial(other)) if low < r < high]
     meanA, meanB = (sum(p[i] for p in pairs) / len(pairs) for i in (0, 1))
@@ -102,7 +103,7 @@ def aliasing(one, other):
 
 
 def starContrast(picture, frequency):
-    """Of the spokes' first harmonic, whose amplitude in the star is 2 / pi."""
+    """Contrast of the spokes' first harmonic, whose amplitude in the star is 2 / pi."""
     radius = SPOKES / (2 * math.pi * frequency)
     values = [(a, v) for r, a, v in radial(picture) if abs(r - radius) < 1]
     amplitude = abs(sum(v * cmath.exp(-1j * SPOKES * a) for a, v in values)) * 2 / len(values)

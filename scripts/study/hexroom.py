@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Renders the table of a Monte Carlo course report again, and writes doc-files/results/hexroom.md and doc-files/results/hexroom.jpg.
+"""Renders the table of a Monte Carlo course report again, and writes doc-files/results/hexroom.md and
+doc-files/results/hexroom.jpg.
 
-The hexagonal room with the five settings of the report: time then, time now, and the remaining error.
- Takes a few minutes. The converged reference of all light is looked for in
-../shared/reference; without it one is rendered, and the page says so. --reach: only the time that photonmap and path take
-to the error of the last row, as the page has it.
+The hexagonal room with the five settings of the report: time then, time now, and the remaining error. Takes a few
+minutes. The converged reference of all light is looked for in ../shared/reference; without it one is rendered, and
+the page says so. --reach: only the time that photonmap and path take to the error of the last row, as the page has
+it.
 """
 import os
 import re
@@ -59,7 +60,7 @@ LOAD = study.loadAverage()
 
 
 def fullReference():
-    """Scene, options, arguments of compare() without and with a best picture, and what the reference is."""
+    """Scene, options, arguments of compare() without and with a best picture, and a description of the reference."""
     scene = study.REFERENCES / 'hexroom-grey.pbrt'
     if scene.exists():
         return (scene, [], study.independentReferences('hexroom-grey'),

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Renders three scenes by every method side by side, and writes doc-files/results/methods.md with a sheet of each.
 
-Runs `recurse methods` on the hexagonal room, the Cornell box with glass and the room with a window, TIME for each method
-(default: 10s). Takes ten minutes, and wants the machine for itself; what is finished is kept in build/methods and gone on
-with.
+Runs `recurse methods` on the hexagonal room, the Cornell box with glass and the room with a window, TIME for each
+method (default: 10s). Takes ten minutes, and needs the machine for itself; finished pictures are kept in
+build/methods, and a second run continues from them.
 """
 import os
 import subprocess

@@ -10,7 +10,7 @@ import re
 
 import study
 
-# By maxdepth: without a limit, the caustic of the ring would be all of its error.
+# Scenes and their maxdepth: without a limit, the caustic would dominate the error of the ring.
 SCENES = {'ring': 1, 'cornell-glass': -1, 'dof': -1}
 SAMPLERS = ('independent', 'stratified', 'halton', 'sobol', 'zsobol')
 SAMPLES = (4, 16, 64)
@@ -18,7 +18,7 @@ SEEDS = (1, 2)
 
 
 def sceneWith(name, sampler, samples):
-    """The scene file with another directive Sampler, beside the original, since it may name files."""
+    """Copy of the scene file with a different directive Sampler, beside the original, since it may name files."""
     path = study.ROOT / 'scenes' / (name + '.pbrt')
     root = {4: 2, 16: 4, 64: 8}.get(samples)
     number = f'"integer pixelsamples" {samples}'

@@ -1,4 +1,5 @@
-"""What the studies share: building the program, rendering, comparing, references that are made once and kept."""
+"""Shared functions of the studies: building the program, rendering, comparing, references that are made once and
+kept."""
 import argparse
 import datetime
 import json
@@ -34,7 +35,7 @@ def parser(text):
 
 
 def build(*packages):
-    """Installs what is missing, the Debian packages named too, and builds the program, unless one is given."""
+    """Installs missing packages, including the Debian packages named, and builds the program, unless one is given."""
     if not BUILDS:
         return
     subprocess.run(['bash', '-c', 'source scripts/lib.sh; requirePackages "${BUILD_PACKAGES[@]}" "$@"; configure release; '
@@ -42,7 +43,7 @@ def build(*packages):
 
 
 def recurse(*arguments, timeout=None):
-    """Standard output of the program; subprocess.TimeoutExpired after so many seconds."""
+    """Standard output of the program; subprocess.TimeoutExpired after `timeout` seconds."""
     return subprocess.run([PROGRAM, *map(str, arguments)], check=True, capture_output=True, text=True,
                           timeout=timeout).stdout
 
@@ -99,12 +100,12 @@ def references(scene, folder, width, minutes, method='path'):
 
 
 def pictureSize(picture):
-    """As --resolution takes it."""
+    """Size of the picture in the format of --resolution."""
     return re.search(r'(\d+)\s*x\s*(\d+)', recurse('info', picture)).group(0).replace(' ', '')
 
 
 def ratio(others, bases):
-    """Of means, with the standard error that the spread over seeds tells; None where it cannot be told."""
+    """Ratio of means, with its standard error from the spread over seeds; None if it is undefined."""
     def mean(x): return sum(x) / len(x)
 
     def relative(x):
@@ -116,7 +117,7 @@ def ratio(others, bases):
 
 
 def ratioText(value):
-    """Of ratio()."""
+    """Text of a result of ratio()."""
     if value is None:
         return '–'
     return '%.2f' % value[0] if math.isnan(value[1]) else '%.2f ± %.2f' % tuple(value)
@@ -129,7 +130,7 @@ def independentReferences(name):
 
 
 def firstLine(error):
-    """What a failed run of the program said first."""
+    """First line of the messages of a failed run."""
     return error.stderr.strip().split('\n')[0]
 
 

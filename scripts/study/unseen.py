@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Renders scenes that nobody tuned for by several integrators, and writes doc-files/results/unseen.md.
 
-FOLDER has scenes NAME.pbrt, and beside most of them NAME.a.exr and NAME.b.exr: references with independent noise. Each is
-rendered with few samples a pixel at the size of its references, at a low priority. The page says for each whether it ended
-well, and has the ratio of the picture's mean to the references' and the noise-free relMSE of means over 8x8 pixels. Takes
-some minutes.
+FOLDER has scenes NAME.pbrt, and beside most of them NAME.a.exr and NAME.b.exr: references with independent noise.
+Each is rendered with few samples a pixel at the size of its references, at a low priority. The page says for each
+whether it succeeded, and has the ratio of the picture's mean to the references' and the noise-free relMSE of means
+over 8x8 pixels. Takes some minutes.
 """
 import datetime
 import os
@@ -66,7 +66,7 @@ def main():
                    'seed': SEED, 'size': SIZE}
     for scene in sorted(options.folder.glob('*.pbrt')):
         if 'WorldBegin' not in scene.read_text(errors='replace'):
-            continue  # a part that another scene includes
+            continue  # a part that scenes include
         for integrator in options.integrators.split(','):
             cells = row(scene, integrator, options.spp)
             print(*cells, sep=' | ', flush=True)
