@@ -1,6 +1,7 @@
 /** @file
- * Adaptive samples: the mean of every pixel stays right, also where bright samples are rare; samples go where
- * the error is, to no pixel too few; the same bits for any number of threads and interruptions.
+ * Adaptive samples: the mean of every pixel is unbiased, even if bright samples are rare; samples are
+ * concentrated where the error is large, and no pixel has too few; the result does not depend on threads and
+ * interruptions.
  */
 #include "rendering.h"
 
@@ -12,7 +13,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Radiance by a formula of the direction and random numbers, instead of a scene. */
+/** Integrator whose radiance is a function of the direction and random numbers, instead of a scene. */
 class Formula final : public Integrator {
  public:
   using Radiance = std::function<float(const Vec3f& direction, Sampler& sampler)>;
@@ -27,14 +28,14 @@ class Formula final : public Integrator {
   Radiance radiance;
 };
 
-/** Of two random numbers, so that a number of samples has no part in how even they are. */
+/** Random event from a hash of two random numbers, so that stratification has no effect. */
 bool happens(float probability, Sampler& sampler) {
   const Vec2f u = sampler.next2D();
   return double(mixBits(uint64_t(u.x * 0x1p24f) << 32 | uint64_t(u.y * 0x1p24f))) * 0x1p-64 <
          double(probability);
 }
 
-/** 1 on average: 1 on the left; on the right 1 / probability, rarely. */
+/** Radiance with mean 1: constant on the left; on the right 1 / probability, with this probability. */
 Formula::Radiance rareOnTheRight(float probability, float from = 0) {
   return [=](const Vec3f& direction, Sampler& sampler) {
     if (direction.x < from) return 1.0f;
@@ -106,7 +107,7 @@ std::vector<Way> ways() {
 
 } // namespace
 
-// A pixel that asked for more samples when its own had met something would be too dark on average, by a lot.
+// If a pixel got more samples after a bright sample of its own, its mean would be far too dark.
 TEST(Adaptive, RareBrightSamplesCountForWhatTheyAre) {
   constexpr float PROBABILITY = 0.04f;
   constexpr int SIZE = 24;
@@ -170,7 +171,8 @@ TEST(Adaptive, SamplesGoWhereTheErrorIs) {
   EXPECT_LT(adaptive, 0.5 * even);
 }
 
-// Each alone among quiet pixels: no neighbour tells of it, but that it happens shows all over the picture.
+// Isolated noisy pixels: neighbours show no variance, but the class of quiet pixels in the whole picture
+// does.
 TEST(Adaptive, QuietSurroundingsAreNotTrustedFurtherThanTheyDeserve) {
   constexpr int SIZE = 48;
   const auto scene = sceneFrom(emptyScene(SIZE));
@@ -193,7 +195,7 @@ TEST(Adaptive, QuietSurroundingsAreNotTrustedFurtherThanTheyDeserve) {
 
 TEST(Adaptive, EdgesGetTheSamples) {
   const auto scene = sceneFrom(emptyScene(64));
-  // A disc, and a little noise everywhere.
+  // A disc, and weak noise everywhere.
   Formula formula([](const Vec3f& d, Sampler& sampler) {
     return (square(d.x) + square(d.y) < 0.1f ? 2.0f : 1.0f) + 0.02f * float(happens(0.5f, sampler));
   });
@@ -261,7 +263,7 @@ TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
   const auto scene = sceneFrom(litCorner(20));
   const int count = SANITIZED ? 100 : 200;
   for (const Way& way : dealt(ways(), 2)) {
-    // One seed, as a single map of few photons has a standard error of 4 %.
+    // One seed is enough: a single map of few photons has a standard error of 4 %.
     const Rendered a = renderWith(*scene, way, {.samples = count, .seed = 1});
     const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 1, .adaptive = false});
     const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // numbers of passes may differ

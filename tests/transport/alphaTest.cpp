@@ -1,6 +1,6 @@
 /** @file
  * Alpha: surfaces cut out by textures against the same holes as geometry, transmitted light against closed
- * forms, for eye rays, shadow rays and photons.
+ * forms, for camera rays, shadow rays and photons.
  */
 #include "transport/rendering.h"
 
@@ -9,7 +9,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Where the screen is: four cells, of which two opposite ones are there. */
+/** Screen of four cells, two opposite ones of which are opaque. */
 const char* const TEXTURED = R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
 Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1] "texture alpha" "holes"
 )";
@@ -30,7 +30,7 @@ const char* const GEOMETRY = R"(Shape "bilinearmesh" "point3 P" [-1 -1 1  0 -1 1
 Shape "bilinearmesh" "point3 P" [0 0 1  1 0 1  0 1 1  1 1 1]
 )";
 
-/** A lamp above a screen above a floor; the screen throws its shadow, and bounces light. */
+/** A lamp above a screen above a floor; the screen casts a shadow and reflects light. */
 std::string screenScene(const std::string& screen) {
   return view(24, "0 -3 4  0 0 .3  0 0 1", 50) + R"(
 AttributeBegin
@@ -103,8 +103,8 @@ TEST(Alpha, PhotonsMeetTheSameHoles) {
 }
 
 TEST(Alpha, LayersTransmitIndependently) {
-  // A camera looks at a lamp through two sheets and a ball of opacity 0.4 each: six tenths pass each of the
-  // four surfaces. They do not reflect.
+  // A camera sees a lamp through two sheets and a ball of opacity 0.4 each: each of the four surfaces
+  // transmits 0.6. They do not reflect.
   const std::string scene = view(16, "0 0 0  0 0 1  0 1 0", 20) + R"(
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" true
@@ -121,7 +121,7 @@ AttributeBegin Translate 0 0 6 Shape "sphere" "float radius" 2 "float alpha" .4 
 }
 
 TEST(Alpha, ShadowsAreAsThickAsTheSurface) {
-  // Light from straight above through a sheet of opacity 0.3 that reflects nothing.
+  // Vertical light through a sheet of opacity 0.3 that reflects nothing.
   const std::string scene = view(8, "0 0 1  0 0 0  0 1 0", 20) + R"(
 LightSource "distant" "point3 from" [0 0 1] "point3 to" [0 0 0] "rgb L" [2 2 2]
 Material "diffuse" "rgb reflectance" [.5 .5 .5]
@@ -137,7 +137,7 @@ Shape "disk" "float radius" 9 "float height" 3 "float alpha" .3
 }
 
 TEST(Alpha, PartsThatAreCutOutDoNotShine) {
-  // Half of the lamp by alpha is the half of the lamp: seen, sampled, and as photons.
+  // Half of the lamp cut out by alpha is equal to a lamp of half the size: visible, sampled, and as photons.
   const auto scene = [](const std::string& lamp) {
     return view(12, "0 -3 2  0 0 .5  0 0 1", 60) +
            "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [3 2 1]\n" +
@@ -169,14 +169,15 @@ Material "diffuse" "rgb reflectance" [.7 .6 .5]
 Shape "bilinearmesh" "point3 P" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]
 )";
   };
-  // The view is a hundredth of the plate: so many that the photons there are even to less than a hundredth.
+  // The view is a hundredth of the plate; this number of photons makes the density in it uniform to within a
+  // hundredth.
   for (const Way& way : dealt(quickWays(SANITIZED ? "200000" : "400000"), 1)) {
     const Rendered seen = renderText(scene(""), way.integrator, way.parameters, samples(64)),
                    unseen =
                        renderText(scene("\"float alpha\" 0"), way.integrator, way.parameters, samples(64), 2);
     EXPECT_NEAR(unseen.mean(), seen.mean(), .02 * seen.mean()) << way.integrator << way.parameters;
   }
-  // Straight at it there is nothing.
+  // At the lamp itself nothing is visible.
   const std::string at =
       view(8, "0 0 0  0 0 1  0 1 0", 10) + R"(AreaLightSource "diffuse" "rgb L" [3 2 1] "bool twosided" true
 Shape "disk" "float height" 3 "float radius" 9 "float alpha" 0)";
@@ -195,7 +196,7 @@ Shape "sphere" "texture alpha" "holes"
 }
 
 TEST(TexturedScenes, IntegratorsAgree) {
-  // Colours and bumps on both sides of a bounce, seen also in a mirror.
+  // Colours and bumps on both sides of an interreflection, also visible in a mirror.
   const std::string scene = view(16, "0 -4 3  0 0 .6  0 0 1", 45) + R"(
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [9 9 9]

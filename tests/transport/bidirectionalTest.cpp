@@ -1,6 +1,6 @@
 /** @file
- * Estimators from both ends: each technique alone finds what `path` finds of the paths that it can make, all
- * together find the whole, and pictures are the same bits for any number of threads.
+ * Estimators from both ends: each technique alone agrees with `path` on the paths that it can sample, all
+ * together find all light, and pictures have the same bits for any number of threads.
  */
 #include "classRendering.h"
 
@@ -11,10 +11,10 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Standard errors that means may differ by. */
+/** Number of standard errors that means may differ by. */
 constexpr double ERRORS_APART = 4.5;
 
-/** A corner with a mirror, a glass ball and a wide lamp, so that `path` sees all of it soon. */
+/** A corner with a mirror, a glass ball and a wide lamp, so that `path` finds all light quickly. */
 std::string corner(int size, const std::string& more = {}) {
   return view(size, "0 -3.2 1.4  0 0 .5  0 0 1", 45) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
@@ -79,7 +79,7 @@ Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ 1 -1 -1  1 
 )";
 }
 
-/** Water with pebbles on its ground and weeds between them, below a wide lamp. */
+/** Water with pebbles and weeds on the ground, below a wide lamp. */
 std::string tank() {
   std::string text = view(24, "0 1.4 -3  0 .3 0  0 1 0", 22) + R"(
 AttributeBegin
@@ -122,7 +122,7 @@ PathClasses classOf(const std::string& expression) {
 
 } // namespace
 
-// Its own surface is where its light starts, and rounding leaves no distance between the two.
+// Light starts on the lamp's own surface, and rounding leaves no distance between the two.
 TEST(BidirectionalEnds, ALampMayBeSmallerThanRounding) {
   const std::string scene = view(4, "0 -.27 -.04  .6 -.07 -.04  0 0 1", 40) + R"(
 AttributeBegin
@@ -190,7 +190,7 @@ LightSource "distant" "point3 from" [ 1 -1 2 ] "point3 to" [ 0 0 0 ] "rgb L" [ .
       expectEqual(classMeans(*scene, way, classes, samples(32), 8), truth, classes,
                   way.integrator == "vcm" ? 0.02 : 0, way.integrator + way.parameters + more);
   }
-  // Lights that no ray meets: what comes through glass is for the light paths.
+  // Lights that no ray hits: only light paths find their light through glass.
   const auto scene = sceneFrom(corner(16, lights));
   const PathClasses found({{"direct", "LDE"}, {"two", "LDDE"}});
   const BatchMeans truth = classMeans(*scene, {"path", ""}, found, samples(64), 8);
@@ -202,7 +202,7 @@ LightSource "distant" "point3 from" [ 1 -1 2 ] "point3 to" [ 0 0 0 ] "rgb L" [ .
     expectEqual(classMeans(*scene, {name, ""}, caustics, samples(32), 8), traced, caustics, 0.02, name);
 }
 
-/** In a closed shell that emits E and reflects ρ everywhere, all that is seen is E / (1 - ρ). */
+/** In a closed shell that emits E and reflects ρ everywhere, the radiance is E / (1 - ρ). */
 TEST(Bidirectional, ClosedFurnaceIsEvenlyBright) {
   const ThreadPool pool;
   const auto scene = sceneFrom(view(8, "0 0 0  1 .5 .2  0 0 1", 70) + furnace());
@@ -215,7 +215,7 @@ TEST(Bidirectional, ClosedFurnaceIsEvenlyBright) {
   }
 }
 
-/** The light of two and more reflections in a closed shell that emits E and reflects ρ everywhere, ρ²E / (1 -
+/** Light of two and more reflections in a closed shell that emits E and reflects ρ everywhere is ρ²E / (1 -
  * ρ), by photons alone: edges and corners are as bright as the middle. */
 TEST(Bidirectional, PhotonsAreAsManyAtEdges) {
   const ThreadPool pool;
@@ -231,7 +231,7 @@ TEST(Bidirectional, PhotonsAreAsManyAtEdges) {
   EXPECT_LT(means.standardError(0), SANITIZED ? 6e-3 : 2e-3);
 }
 
-/** Photons of one layer are none of the other: light that comes through both is found once. */
+/** Photons of one layer do not count on the layer behind it: light that passes both is counted once. */
 TEST(Bidirectional, PhotonsOfLayersBehindEachOtherAreKeptApart) {
   const ThreadPool pool;
   const auto scene = sceneFrom(view(16, "0 0 -5  0 0 0  0 1 0", 24) + R"(
@@ -249,7 +249,7 @@ Shape "bilinearmesh" "point3 P" [ -1 -1 .504  1 -1 .504  -1 1 .504  1 1 .504 ]
   expectEqual(classMeans(*scene, {"vcm", ""}, classes, samples(32), 8), truth, classes, 0.005, "two layers");
 }
 
-/** Pebbles and narrow two-sided weeds in a tank of water, whose light no connection finds. */
+/** Pebbles and narrow two-sided weeds in a tank of water, whose light connections do not find. */
 TEST(Bidirectional, SmallThingsUnderWaterAreAsBrightAsByPathTracing) {
   const ThreadPool pool;
   const auto scene = sceneFrom(tank());
@@ -258,7 +258,7 @@ TEST(Bidirectional, SmallThingsUnderWaterAreAsBrightAsByPathTracing) {
   expectEqual(classMeans(*scene, {"vcm", ""}, classes, samples(32), 6), truth, classes, 0.02, "tank");
 }
 
-/** A sky of radiance 1 around what absorbs nothing: everything is 1. */
+/** A sky of radiance 1 around surfaces without absorption: the radiance is 1 everywhere. */
 TEST(Bidirectional, NothingDarkensAnEvenSky) {
   const ThreadPool pool;
   const PathClasses classes = classOf("all");
@@ -287,7 +287,7 @@ TEST(Bidirectional, BrightPlacesInSmallPixelsAreNotTooBrightToSplat) {
                                  "LightSource \"point\" \"point3 from\" [ 0 0 " +
                                  scale + " ]\n");
     const double truth = renderScene(*scene, "path", "", samples(64)).mean();
-    // A sixth of the light meets what is seen.
+    // A sixth of the light reaches the visible region.
     constexpr int LIGHT_PATHS = SANITIZED ? 1000 : 40000;
     const double error = std::sqrt(6.0 / LIGHT_PATHS);
     for (const std::string integrator : {"lightpath", "bdpt", "vcm"}) {
@@ -323,7 +323,7 @@ TEST(Bidirectional, SameBitsForAnyNumberOfThreads) {
   }
 }
 
-/** Of light paths that are only splatted one at a time is kept. */
+/** Light tracing stores a single light path at a time if its vertices are only splatted. */
 TEST(Bidirectional, LightTracingHasNoNeedOfMemory) {
   const ThreadPool pool;
   const auto scene = sceneFrom(corner(8, ""));

@@ -1,6 +1,7 @@
 /** @file
- * Weights of bidirectional techniques: on random paths they are the number of samples times the density of
- * each technique over the sum of all, by products written out, and add up to one, whatever is toggled.
+ * Weights of bidirectional techniques on random paths: they are equal to the number of samples times the
+ * density of each technique over the sum for all, by explicit products, and add up to one, for any set of
+ * enabled techniques.
  */
 #include <gtest/gtest.h>
 
@@ -14,13 +15,13 @@ using namespace recurse;
 
 namespace {
 
-/** A random path that at least one technique can make, with what its parts may be. */
+/** Random path that at least one technique can sample, with random parameters. */
 struct RandomPath {
   std::vector<WeightedVertex> x;
   WeightedPath path;
-  size_t panes = 0;       ///< before the light
-  double lightPdf = 0;    ///< of shadow rays, in the measure of the light's end
-  double straightWay = 1; ///< densities of a walk through the panes over those of the straight way
+  size_t panes = 0;       ///< number of panes before the light
+  double lightPdf = 0;    ///< density of shadow rays, in the measure of the light's end
+  double straightWay = 1; ///< ratio of densities: a walk through the panes over the straight line
 
   explicit RandomPath(std::mt19937& random, size_t edges) : x(edges + 1) {
     const auto chance = [&] { return std::bernoulli_distribution(0.5)(random); };
@@ -43,12 +44,13 @@ struct RandomPath {
     path.photons = chance() ? 1000 : 0;
     path.mergeArea = 1e-3 * density();
     path.correlationArea = chance() ? 1e-2 * density() : 0;
-    if (chance()) x[edges].fromLight = path.splats = path.photons = path.connections = 0; // no photons there
+    if (chance())
+      x[edges].fromLight = path.splats = path.photons = path.connections = 0; // no photons from this light
     countMerges(path);
   }
 
-  /** Thin panes before the light, at random distances and angles. Hits and shadow rays have the densities of
-   * the straight way, but for what delta lobes put in the place of that. */
+  /** Sets thin panes before the light, at random distances and angles. Hits and shadow rays have the
+   * densities of the straight line, except for the factors of delta lobes. */
   template <class Density> void setPanes(const Density& density) {
     const size_t k = x.size() - 1, j = k - 1 - panes;
     const double pdfDirection = density();
@@ -69,7 +71,7 @@ struct RandomPath {
     path.shadowRays = shadowRaysThroughPanes(lightPdf, pdfDirection, infinite ? 1 : distance / last);
   }
 
-  /** Samples times density of C_i by (1), the shadow ray's and the hit's among them. */
+  /** Number of samples times density of C_i by (1), including the shadow ray and the hit. */
   double connection(size_t i) const {
     const size_t k = path.edges();
     double p = 1;
@@ -89,7 +91,7 @@ struct RandomPath {
     if (i + 1 == k) return p;
     return p * (i == 0 ? path.splats : path.connections);
   }
-  /** The same of M_i by (2). */
+  /** Number of samples times density of M_i by (2). */
   double merge(size_t i) const {
     double p = x[i].fromLight * x[i].merges;
     for (size_t j = 1; j <= path.edges(); ++j) p *= j <= i ? x[j].fromCamera : x[j].fromLight;
@@ -154,7 +156,7 @@ TEST(BidirectionalWeights, MergesCountBetweenOneAndAllPhotons) {
   }
 }
 
-/** A mirror keeps what the camera sees in one place; a matt surface spreads it. */
+/** A mirror keeps visible points in a small area; a matt surface spreads them. */
 TEST(BidirectionalWeights, OnlyPhotonsSeenFromManyPlacesAreDependent) {
   for (const bool mirror : {false, true}) {
     std::vector<WeightedVertex> x(5);
@@ -177,7 +179,8 @@ TEST(BidirectionalWeights, OnlyPhotonsSeenFromManyPlacesAreDependent) {
   }
 }
 
-/** Without merges the sums of a path are found step by step, and from its parts come the same bits. */
+/** Without merges the sums of a path are computed step by step; the sums of its subpaths have the same
+ * bits. */
 TEST(BidirectionalWeights, SumsAreThoseOfShorterPaths) {
   std::mt19937 random(3);
   for (int n = 0; n < 2000; ++n) {

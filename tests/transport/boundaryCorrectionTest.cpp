@@ -1,5 +1,5 @@
 /** @file
- * Density estimates where the disc of the search is not all surface: uniform irradiance has to come out right
+ * Density estimates where the surface covers only part of the search disc: uniform irradiance must be correct
  * at edges, in corners, beside walls and on curved surfaces.
  */
 #include <random>
@@ -22,7 +22,7 @@ const std::string FLOOR = quad("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
                   WALL = quad(".5 -1 -1  .5 1 -1  .5 1 1  .5 -1 1");
 
 std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
-  // The scene's centre, to which positions are relative, is the origin for all of them.
+  // Positions are relative to the scene's centre, which is the origin for all these scenes.
   return sceneFrom(view(64, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
 }
 
@@ -33,7 +33,7 @@ GatherSettings nearestWithin(int nearest, float radius) {
   return search;
 }
 
-/** Photons at random places of the floor, with flux that makes IRRADIANCE. */
+/** Photons at random points of the floor, with flux that gives IRRADIANCE. */
 std::vector<Photon> onFloor(uint64_t seed, int count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<float> place(-1, 1);
@@ -47,7 +47,7 @@ std::vector<Photon> onFloor(uint64_t seed, int count) {
   return list;
 }
 
-/** What is seen around what a ray meets. */
+/** Neighbourhood of the ray's hit. */
 Neighbourhood around(const Scene& scene, const Ray& ray, float radius) {
   Hit hit;
   EXPECT_TRUE(scene.intersect(ray, hit));
@@ -60,8 +60,8 @@ Neighbourhood around(const Scene& scene, const Ray& ray, float radius) {
   return probeNeighbourhood(scene, glm::length(hit.point.error), region, sampler, counts);
 }
 
-/** The estimate at what a ray meets, over what it should be, as a mean over maps. With `known`, from what is
- * seen at a place near by. */
+/** Ratio of the estimate at the ray's hit to the true value, as a mean over maps. `known`: use the
+ * neighbourhood of a point nearby. */
 Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
                        const std::function<std::vector<Photon>(uint64_t)>& photons, bool known = false) {
   Hit hit;
@@ -105,7 +105,8 @@ TEST(BoundaryCorrection, UniformIrradianceAtTheEdgeOfASurface) {
         settings.radius = radius;
         const Mean m = estimateOverTruth(*scene, down(place.x, place.y), settings, samples(100),
                                          [](uint64_t seed) { return onFloor(seed, 4000); });
-        // The part is .1 off at random, and its inverse therefore up to (.1/.25)² at the very corner.
+        // The fraction of the kernel has a random error of .1, so its inverse has a bias of up to (.1/.25)²
+        // at the very corner.
         const double bound = std::abs(place.x * place.y) > 0.9f ? 0.06 : 0.015;
         EXPECT_NEAR(m.value, 1, bound + 4 * m.error)
             << kernelName(kernel) << " nearest " << nearest << " at " << place.x << " " << place.y;
@@ -113,8 +114,8 @@ TEST(BoundaryCorrection, UniformIrradianceAtTheEdgeOfASurface) {
 }
 
 TEST(BoundaryCorrection, ConcaveCornersAndWhatLiesBehindThem) {
-  // The floor goes on behind the wall, which has a hundred times the floor's light, and so has what is
-  // behind.
+  // The floor continues behind the wall, which has a hundred times the light of the floor, on its front and
+  // behind it.
   const auto scene = sceneOf(FLOOR + WALL);
   const auto photons = [](uint64_t seed) {
     std::vector<Photon> list = onFloor(seed, 4000);
@@ -198,10 +199,10 @@ TEST(BoundaryCorrection, CurvedSurfaces) {
 
 namespace {
 
-/** A sheet over the square that waves along x, of strips that are straight between their edges. */
+/** A wavy sheet over the square, with waves along x, made of strips that are straight between their edges. */
 struct WavySheet {
   double amplitude, z = 0;
-  bool smooth = false; ///< there are normals at the edges
+  bool smooth = false; ///< vertices have normals
   static constexpr double LENGTH = .1;
   static constexpr int STRIPS_PER_WAVE = 16;
 
@@ -229,7 +230,7 @@ struct WavySheet {
     return "Shape \"trianglemesh\" \"integer indices\" [ " + indices.str() + "] \"point3 P\" [ " +
            points.str() + "]" + (smooth ? " \"normal N\" [ " + normals.str() + "]" : "") + "\n";
   }
-  /** Photons from above, near the middle, that make IRRADIANCE. */
+  /** Photons from above, near the middle, that give IRRADIANCE. */
   std::vector<Photon> lit(uint64_t seed) const {
     std::vector<Photon> list = onFloor(seed, 4000);
     for (Photon& p : list) {
@@ -282,7 +283,7 @@ TEST(BoundaryCorrection, ThinWrinkledDoubleLayers) {
 }
 
 TEST(BoundaryCorrection, PhotonsBelowAWaterLineDoNotCountAboveIt) {
-  // The wall of a pool is the floor here, and the water's surface stands on it.
+  // The wall of a pool is the floor in this test, and the water surface is perpendicular to it.
   const auto scene =
       sceneOf(FLOOR + "Material \"dielectric\" \"float eta\" 1.33\n" + quad("0 -1 0  0 1 0  0 1 1  0 -1 1"));
   const auto photons = [](uint64_t seed) {
@@ -301,7 +302,7 @@ TEST(BoundaryCorrection, PhotonsBelowAWaterLineDoNotCountAboveIt) {
 }
 
 TEST(BoundaryCorrection, ASheetCloseBeforeAWallEndsWhatIsSeenOfTheWall) {
-  // The wall is the floor here: of a disc of .4, the sheet hides what lies behind it.
+  // The wall is the floor in this test: the sheet hides part of it in a disc of radius .4.
   const auto scene = sceneOf(FLOOR + quad(".1 -1 .02  1 -1 .02  1 1 .02  .1 1 .02"));
   const Neighbourhood beside = around(*scene, down(0, 0), .4f);
   EXPECT_GT(beside.flat, .38f);
@@ -350,7 +351,7 @@ TEST(BoundaryCorrection, BentEdgesAndSurfacesAreNoStraightOnes) {
   const std::string ball = "Translate 0 0 -1\nShape \"sphere\" \"float radius\" 1\n";
   EXPECT_EQ(flat(ball, 0.1f, 0.4f).planeCount, 0u);
   EXPECT_LE(flat(ball, 0.1f, 0.4f).flat, 0.05f);
-  // A roof's ridge is one, although rays down meet the other side as well.
+  // The ridge of a roof is an edge, although vertical rays hit the second side as well.
   const Neighbourhood roof =
       flat(quad("-1 -1 0  .2 -1 0  .2 1 0  -1 1 0") + quad(".2 -1 0  1 -1 -.4  1 1 -.4  .2 1 0"), 0, 0.4f);
   ASSERT_EQ(roof.planeCount, 1u);
@@ -359,7 +360,8 @@ TEST(BoundaryCorrection, BentEdgesAndSurfacesAreNoStraightOnes) {
 }
 
 TEST(BoundaryCorrection, KnownEdgesAndWhatLiesJustBelow) {
-  // A hundred times the floor's light on a ledge below its edge, in the height of the search region.
+  // A ledge below the edge, within the height of the search region, has a hundred times the light of the
+  // floor.
   const auto scene = sceneOf(FLOOR + quad("1 -1 -.02  2 -1 -.02  2 1 -.02  1 1 -.02"));
   const auto photons = [](uint64_t seed) {
     std::vector<Photon> list = onFloor(seed, 4000);
@@ -387,7 +389,7 @@ TEST(BoundaryCorrection, KnownEdgesAndWhatLiesJustBelow) {
 }
 
 TEST(BoundaryCorrection, NarrowGaps) {
-  // A block hovers over the floor: .01 is a gap for a disc of .2, .1 is not.
+  // A block above the floor: .01 is a narrow gap for a disc of radius .2, .1 is not.
   const auto block = [](double below) {
     const std::string z = std::to_string(below);
     return sceneOf(FLOOR + quad(".5 -1 " + z + "  .5 1 " + z + "  .5 1 1  .5 -1 1") +
@@ -403,7 +405,7 @@ TEST(BoundaryCorrection, NarrowGaps) {
   EXPECT_NEAR(around(*narrow, under, .2f).clearance, .01f, 1e-5f);
   EXPECT_EQ(around(*wide, under, .2f).clearance, INFINITE);
 
-  // Photons beside the block do not count in the gap, nor those in the gap beside it.
+  // Photons beside the block do not count in the gap, and photons in the gap do not count beside it.
   GatherSettings settings;
   settings.radius = .2f;
   settings.nearest = 0;
@@ -421,7 +423,7 @@ TEST(BoundaryCorrection, NarrowGaps) {
   EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
 }
 
-/** A floor with a ceiling close above, which makes a support of .2 as small as the gap. */
+/** A floor with a ceiling close above it, which reduces a support of .2 to the height of the gap. */
 class NarrowGap {
  public:
   NarrowGap() {
@@ -481,7 +483,7 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
     EXPECT_NEAR(used.unknownWeight, weighed ? settings.errors.photonWeight(double(left)) : left, 1e-5f);
     EXPECT_LT(used.unknownWeight, .99f);
     EXPECT_NEAR(part, used.unknownWeight * whole, 1e-5f * whole);
-    // Rays bring as much where there happens to be no photon.
+    // The weight of rays does not depend on the presence of photons.
     EXPECT_EQ(gap.estimate(elsewhere, none).unknownWeight, used.unknownWeight);
   }
 }
@@ -489,7 +491,7 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
 TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR + WALL);
-  // Many photons behind the wall, few before it: the radius must be that of the few up to the wall.
+  // Many photons behind the wall, few in front of it: the radius must suit the few photons up to the wall.
   std::vector<Photon> list;
   int count = 0;
   for (const Photon& p : onFloor(1, 20000)) {
@@ -512,7 +514,7 @@ TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
 TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
-  // The radius found in the middle of the floor, over that of the nearest photons, where light comes in
+  // Ratio of the radius found in the middle of the floor to the distance of the nearest photons, for light in
   // stripes.
   const auto widening = [&](float stripe, int nearest) {
     std::vector<Photon> list;
@@ -539,7 +541,7 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
 
 namespace {
 
-/** 60 x 60 places of the floor, up to `half` from the middle. */
+/** Grid of 60 x 60 points on the floor, up to `half` from the middle. */
 std::vector<VisiblePoint> seenOnFloor(float half) {
   std::vector<VisiblePoint> seen;
   for (int y = 0; y < 60; ++y)
@@ -558,11 +560,11 @@ std::vector<VisiblePoint> seenOnFloor(float half) {
 TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
-  std::vector<Photon> list = onFloor(3, 2000); // even light, most of it by one photon in twenty
+  std::vector<Photon> list = onFloor(3, 2000); // uniform light, most of it from one photon in twenty
   for (size_t i = 0; i < list.size(); i += 20) list[i].power *= 50.0f;
   PhotonMap map;
   map.build(list);
-  // A close view, of many places that look at the same photons.
+  // A close view: many points whose estimates use the same photons.
   const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
@@ -583,7 +585,7 @@ TEST(BoundaryCorrection, DiscsOfFineLightStaySmall) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
   PhotonMap map;
-  map.build(onFloor(4, 20000)); // even: nothing speaks against wide discs
+  map.build(onFloor(4, 20000)); // uniform light, so wide discs are correct
   const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
@@ -627,7 +629,7 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
 TEST(BoundaryCorrection, PhotonsInOnePointTellNoRadius) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
-  // As many as are searched for, and more, at a point that is seen.
+  // More coincident photons than the search asks for, at a visible point.
   const Vec3f point(0.5f, 0.25f, 0);
   std::vector<Photon> coincident = onFloor(1, 12);
   for (Photon& p : coincident) p.position = point;

@@ -1,5 +1,5 @@
 /** @file
- * Bumps in pictures: against the shading that pbrt's formulas give, and of photons against paths.
+ * Bumps in pictures: shading against the formulas of pbrt, and photons against paths.
  */
 #include "model/textureTesting.h"
 #include "rendering.h"
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double WAVES = 3;
 
-/** A sphere of triangles with normals and coordinates, and bumps as waves along u and v. */
+/** A sphere of triangles with normals and texture coordinates, and waves along u and v as bumps. */
 struct BumpySphere {
   static constexpr int ROUND = 24, DOWN = 12;
   double height;
@@ -53,7 +53,8 @@ struct BumpySphere {
     list("integer indices", triangles);
     return out.str() + "\n";
   }
-  /** The shading normal at a point of a triangle: pbrt-v4's frame of meshes with normals, and its bumps. */
+  /** Shading normal at a point of a triangle, by the frame of pbrt-v4 for meshes with normals, and its
+   * bumps. */
   Vec3d shadingNormal(const glm::uvec3& t, const Vec3d& weights) const {
     const auto mix = [&](const auto& values) {
       return values[t.x] * weights.x + values[t.y] * weights.y + values[t.z] * weights.z;
@@ -89,7 +90,7 @@ TEST(Bumps, OfAMeshWithNormalsShadeAsInPbrt) {
       return Rgb(float(sphere.at({(x + .5) / N, 1 - (y + .5) / N})));
     });
     const std::string size = std::to_string(SIZE);
-    // From the side, so that the poles are at the rim.
+    // View from the side, so that the poles are at the rim.
     const Rendered r =
         renderText("Film \"rgb\" \"integer xresolution\" " + size + " \"integer yresolution\" " + size +
                        "\nPixelFilter \"box\" \"float xradius\" .01 \"float yradius\" .01\n"
@@ -106,12 +107,12 @@ TEST(Bumps, OfAMeshWithNormalsShadeAsInPbrt) {
     int compared = 0;
     for (int y = 4; y < SIZE - 4; ++y)
       for (int x = 4; x < SIZE - 4; ++x) {
-        // To the right is up x forward.
+        // In the camera frame, right is up x forward.
         const double px = 1 - 2 * (x + .5) / SIZE, pz = 1 - 2 * (y + .5) / SIZE;
         for (const glm::uvec3& t : sphere.triangles) {
           const Vec3d p0 = sphere.normals[t.x], p1 = sphere.normals[t.y], p2 = sphere.normals[t.z];
           const Vec3d flat = glm::cross(p1 - p0, p2 - p0);
-          if (!(flat.y < 0)) continue; // away from the eye
+          if (!(flat.y < 0)) continue; // faces away from the camera
           const auto area = [&](const Vec3d& a, const Vec3d& b) {
             return (a.x - px) * (b.z - pz) - (a.z - pz) * (b.x - px);
           };
@@ -130,7 +131,7 @@ TEST(Bumps, OfAMeshWithNormalsShadeAsInPbrt) {
         }
       }
     EXPECT_GT(compared, 1000);
-    // Pixels are as wide as a fifth of a wave's slope, and edges of triangles fall into some.
+    // A pixel is as wide as a fifth of a wave, and edges of triangles cross some pixels.
     EXPECT_LT(error / sum, .05) << height;
   }
 }
@@ -170,7 +171,7 @@ AttributeBegin Translate -.6 .3 -.4 Shape "sphere" "float radius" .5 AttributeEn
 }
 
 TEST(Bumps, SmallerThanAKernelShadeThePhotonsOfEachDirection) {
-  // Light from low down: half of each wave turns away from it, and from an eye that is as low.
+  // Light at a low angle: half of each wave faces away from it, and from the camera, which is as low.
   const Folder folder;
   constexpr int N = 64;
   const std::string waves = folder.picture(

@@ -1,6 +1,6 @@
 /** @file
- * Path classes as they are rendered: integrators agree class by class, the classes of a disjoint cover add up
- * to the whole, and a narrow class renders alone what it renders in company, with less work.
+ * Rendered path classes: integrators agree on each class, the classes of a disjoint cover add up to all
+ * light, and a class rendered alone is equal to the same class rendered with others, with less work.
  */
 #include "classRendering.h"
 
@@ -11,8 +11,8 @@ using namespace recurse::testing;
 
 namespace {
 
-/** The Cornell box with a mirror sphere and a glass sphere; the lamp is so large that `path` sees caustics.
- */
+/** The Cornell box with a mirror sphere and a glass sphere; the lamp is large enough for `path` to find
+ * caustics. */
 const char* const MIRROR_BALL = R"(Material "conductor" "rgb reflectance" [ .9 .9 .9 ])";
 const char* const GLASS_BALL = R"(Material "dielectric" "float eta" 1.5)";
 std::string glassBox(int size, const std::string& left = MIRROR_BALL, const std::string& right = GLASS_BALL) {
@@ -47,22 +47,23 @@ AttributeEnd
 }
 
 constexpr double SIGMAS = 5;
-/** Smearing over edges and shadow borders by a search as wide as a pixel of a small film. */
+/** Bias from blur over edges and shadow borders, for a search radius of a pixel of a small film. */
 constexpr double PHOTON_BIAS = 0.03;
 
-/** The classes, and as the last layer all paths. */
+/** The classes, and a last layer of all paths. */
 PathClasses withTotal(std::vector<PathClass> classes) {
   classes.push_back({"total", "all"});
   return PathClasses(classes);
 }
 
-/** What rounding errors of a colour are relative to: wavelengths have colours of both signs, which cancel. */
+/** Magnitude that rounding errors of a colour are relative to: wavelengths have colours of both signs, which
+ * cancel. */
 double magnitude(const Rgb& value, int colour, bool dispersive) {
   return dispersive ? std::max({std::abs(value.r), std::abs(value.g), std::abs(value.b)})
                     : std::abs(value[colour]);
 }
 
-/** Every pixel of the layers but the last adds up to the last. */
+/** Expects that in every pixel all layers before the last add up to the last. */
 void expectSums(const Film& film, bool dispersive, const std::string& what) {
   const size_t total = film.layerCount() - 1;
   for (size_t p = 0; p < film.bounds().area(); ++p)
@@ -85,7 +86,8 @@ std::unique_ptr<Scene> smallScene(const std::filesystem::path& file) {
   return diagnostics.hasErrors() ? nullptr : buildScene(description, overrides, diagnostics);
 }
 
-/** The way's means of all classes are those of `truth`, within the noise of both and the bias of a map. */
+/** Expects that the means of all classes agree with `truth`, within the noise of both and the bias of a
+ * map. */
 void expectAgreement(const Scene& scene, const Way& way, const PathClasses& classes,
                      const BatchMeans& truth) {
   const BatchMeans means = classMeans(scene, way, classes, 1, 16);
@@ -118,8 +120,8 @@ TEST(ClassAgreement, PhotonMapConnectionsAndPathAgreeOnStills) {
       expectAgreement(*scene, way, classes, truth); // bdpt, vcm
 }
 
-/** Rough lobes are D, read the map, are followed, or both; near the threshold with weights between 0 and 1.
- */
+/** Rough lobes are D and read the map, or are followed by rays, or both; near the threshold with weights
+ * between 0 and 1. */
 TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
   const ThreadPool pool;
   const auto scene =
@@ -154,10 +156,10 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
 
   const PathClasses few = withTotal({{"lens", "L.*SE"}, {"none", "LE"}, {"rest", "all - (L.*SE | LE)"}});
   const std::vector<Way> differing = waysThatShareOutDifferently(), all = everyWay();
-  std::vector<Way> many = differing; // and of all every fifth, where nearly any two choices meet
+  std::vector<Way> many = differing; // in addition every fifth way, which covers almost all pairs of options
   for (size_t i = 0; i < all.size(); i += 5) many.push_back(all[i]);
-  // Each scene takes every eighth way, and each way comes on an eighth of them. Sums are exact: sanitizers,
-  // which look for something else, see an eighth of that.
+  // Each scene renders every eighth way, and each way is rendered for an eighth of the scenes. Sums are
+  // exact, and sanitizers, which look for other errors, render an eighth of that.
   constexpr size_t STRIDE = SANITIZED ? 64 : 8;
   for (size_t i = 0; i < scenes.size(); ++i) {
     const auto& [name, scene] = scenes[i];
@@ -169,7 +171,7 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
     std::vector<Way> ways;
     for (size_t k = i % step; k < choice.size(); k += step) ways.push_back(choice[k]);
     for (const Way& way : ways) {
-      // The patch that shoots next is the one with the largest sum over classes, which rounding may change.
+      // The patch that shoots next has the largest sum over classes, which rounding may change.
       if (way.integrator == "radiosity") continue;
       if (!unsupportedPart(*integratorFrom(way.integrator, way.parameters), *scene).empty()) continue;
       const Way small = withPhotons(way, samples(4000));
@@ -178,11 +180,11 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
       expectSums(apart.film, dispersive, what);
       if (HasFatalFailure()) return;
       expectSums(renderClasses(*scene, small, few, 1, 6).film, dispersive, what);
-      // Telling classes apart changes no path: the total is the plain picture.
+      // Separating classes changes no path: the total is equal to the picture without classes.
       const Rendered plain = renderClasses(*scene, small, PathClasses(), 2, 5);
       EXPECT_EQ(plain.statistics.counts.rays, apart.statistics.counts.rays) << what;
       const size_t total = stills.layerCount() - 1, pixels = plain.pixels();
-      const double splatUnit = 1e-9 * plain.mean(); // each layer rounds splats up or down by chance
+      const double splatUnit = 1e-9 * plain.mean(); // each layer rounds splats up or down at random
       for (size_t p = 0; p < pixels; ++p)
         for (int c = 0; c < 3; ++c) {
           const Rgb expected = plain.film.value(p, 0);
@@ -206,7 +208,8 @@ TEST(ClassAgreement, AClassAloneIsTheSameAsInCompany) {
   const std::string photons = "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(20000));
   for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons},
                          Way{"photonmap", photons + " \"string direct\" \"photons\""}}) {
-    // The same search for both: by itself it would widen where a class has fewer photons.
+    // Both renders use the same search radius, because a search chosen by error would be wider for a class
+    // with fewer photons.
     Way fixed = way;
     if (way.integrator != "path") fixed.parameters += " \"float radius\" .05";
     const BatchMeans together = classMeans(*scene, fixed, PathClasses(all), 2, 8);
@@ -215,7 +218,7 @@ TEST(ClassAgreement, AClassAloneIsTheSameAsInCompany) {
       for (size_t c = 0; c < 3; ++c) {
         const double error = std::hypot(together.standardError(3 * i + c), alone.standardError(c));
         EXPECT_GT(alone.mean(c), 0);
-        // Of eight values each the error itself is known to a quarter.
+        // The standard error from eight values has an uncertainty of a quarter.
         EXPECT_NEAR(alone.mean(c), together.mean(3 * i + c), 1.5 * SIGMAS * error + 1e-9)
             << fixed.integrator << fixed.parameters << " " << all[i].expression;
       }
@@ -236,7 +239,7 @@ TEST(ClassAgreement, NarrowClassesTraceFewerRays) {
     };
     const double all = rays("all");
     const std::string claims = integratorFrom(way.integrator, way.parameters)->claims();
-    const auto isNearlyAll = [&](const std::string& narrow) { // but for what the same rays meet
+    const auto isNearlyAll = [&](const std::string& narrow) { // except for light that the same rays hit
       return !claims.empty() &&
              PathAutomaton::compile(claims).subsetOf(PathAutomaton::compile(narrow + "|LE"));
     };

@@ -51,11 +51,9 @@ inline BatchMeans classMeans(const Scene& scene, const Way& way, const PathClass
   return means;
 }
 
-/**
- * Every integrator with every combination of its options that are a choice among words, or yes and no; read
- * off the declarations, so that future integrators and options are among them. "without" is left out: it
- * names one mechanism for measurements, and would multiply the combinations by their number.
- */
+/** Every integrator with every combination of its options that are a choice among words or booleans, read
+ * from the declarations, so that future integrators and options are included. Excludes "without", which
+ * disables single mechanisms for measurements and would multiply the number of combinations. */
 inline std::vector<Way> everyWay() {
   std::vector<Way> ways;
   for (const auto& entry : plugIns().integrators.entries()) {
@@ -80,7 +78,7 @@ inline std::vector<Way> everyWay() {
   return ways;
 }
 
-/** Of all ways those that differ in who estimates which paths. */
+/** Subset of everyWay() with distinct assignments of paths to estimators. */
 inline std::vector<Way> waysThatShareOutDifferently() {
   std::vector<Way> ways;
   std::set<std::string> known;
@@ -93,8 +91,8 @@ inline std::vector<Way> waysThatShareOutDifferently() {
   return ways;
 }
 
-/** The way with so many photons, where the integrator shoots any, or a hundredth of that for virtual lights.
- */
+/** Way with the given number of photons if the integrator shoots any, or a hundredth of it for virtual
+ * lights. */
 inline Way withPhotons(Way way, int photons) {
   const auto* entry = plugIns().integrators.find(way.integrator);
   if (entry)

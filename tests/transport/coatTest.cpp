@@ -1,6 +1,6 @@
 /** @file
- * Coated materials against the two surfaces that they stand for, as geometry: a rough dielectric disc close
- * above its base. The coat's walk and the scene's paths have nothing in common but the facets.
+ * Coated materials against geometry with the same two surfaces: a rough dielectric disc close above its base.
+ * The coat's random walk and the scene's paths share only the microfacet model.
  */
 #include "rendering.h"
 
@@ -11,10 +11,10 @@ namespace {
 
 struct CoatCase {
   const char* name;
-  const char* coated;    ///< the material in one, without what absorbs and what cuts the walk
+  const char* coated;    ///< the coated material, without absorption and without a limit of the walk
   const char* interface; ///< the coat alone
   const char* base;
-  const char* lamp; ///< where its middle is
+  const char* lamp; ///< position of the lamp's centre
 };
 
 void PrintTo(const CoatCase& c, std::ostream* out) { *out << c.name; }
@@ -71,6 +71,6 @@ INSTANTIATE_TEST_SUITE_P(
             "\"float conductor.roughness\" .3 \"bool remaproughness\" false ",
             "Material \"dielectric\" \"float roughness\" .1 \"bool remaproughness\" false",
             "Material \"conductor\" \"rgb eta\" [ .6 .6 .6 ] \"rgb k\" [ 4 4 4 ] \"float roughness\" .3 "
-            "\"bool remaproughness\" false", // as it is inside an index of 1.5
+            "\"bool remaproughness\" false", // as it is inside a medium of index 1.5
             "0 8 8"}),
     [](const auto& test) { return std::string(test.param.name); });

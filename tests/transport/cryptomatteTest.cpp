@@ -1,5 +1,5 @@
 /** @file
- * Cryptomattes against the convention's own hashes, and against areas that are known.
+ * Cryptomattes against the hashes of the specification, and against known areas.
  */
 #include "transport/rendering.h"
 
@@ -13,12 +13,12 @@ using namespace recurse;
 
 namespace {
 
-/** Two units of height on 40 pixels, seen along z without perspective. */
+/** Orthographic view along z: two units of height on 40 pixels. */
 const std::string HEAD =
     "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
     "PixelFilter \"box\"\nLookAt 0 0 -9  0 0 0  0 1 0\nCamera \"orthographic\"\nWorldBegin\n";
 
-/** Sum of the parts of all pixels that each id of a matte covers. */
+/** Sum over all pixels of the coverage of each id of a matte. */
 std::map<uint32_t, double> coverage(const Image& image, const std::string& matte) {
   std::map<uint32_t, double> out;
   for (const char* layer : {"00", "01", "02"})
@@ -42,7 +42,7 @@ Image mattes(const std::string& text, bool throughSpecular = false) {
 } // namespace
 
 TEST(Cryptomatte, HashesNamesByTheConvention) {
-  // Of the specification's samples, and of the rule for exponents.
+  // Examples of the specification, and its rule for exponents.
   EXPECT_EQ(cryptomatteId("hello"), 0x248bfa47u);
   EXPECT_EQ(cryptomatteId("bunny"), 0x13851a76u);
   EXPECT_EQ(cryptomatteId("CryptoObject"), 0x3ae39a58u);
@@ -64,7 +64,7 @@ TEST(Cryptomatte, CoversWhatObjectsCover) {
              "Shape \"disk\" \"float radius\" .4\nAttributeEnd\n"
              "Material \"conductor\"\nTranslate .6 .6 0\nShape \"disk\" \"float radius\" .2\n");
   ASSERT_EQ(image.channels.size(), 24u);
-  const double disc = INV_PI > 0 ? 400 / double(INV_PI) : 0; // pixels of a disc of radius 1
+  const double disc = INV_PI > 0 ? 400 / double(INV_PI) : 0; // area of a disc of radius 1 in pixels
   auto objects = coverage(image, "CryptoObject");
   objects.erase(0);
   ASSERT_EQ(objects.size(), 4u);
@@ -74,7 +74,7 @@ TEST(Cryptomatte, CoversWhatObjectsCover) {
   EXPECT_NEAR(objects[cryptomatteId("disk.2")], disc * 0.04, 0.4);
   auto materials = coverage(image, "CryptoMaterial");
   materials.erase(0);
-  ASSERT_EQ(materials.size(), 2u); // the lamp has none
+  ASSERT_EQ(materials.size(), 2u); // the lamp has no material
   EXPECT_NEAR(materials[cryptomatteId("wood")], disc * 0.18, 1.2);
   EXPECT_NEAR(materials[cryptomatteId("conductor")], disc * 0.04, 0.4);
   for (const auto& [key, name] :

@@ -1,5 +1,6 @@
 /** @file
- * Glass that splits colours: prisms and drops by their angles, and white light that stays white as a whole.
+ * Dispersive glass: prisms and drops by their angles of deviation, and white light whose colours add up to
+ * white.
  */
 #include "classRendering.h"
 
@@ -14,8 +15,8 @@ namespace {
 
 double degrees(double radians) { return radians * 180 / M_PI; }
 
-/** How far a ray of a wavelength is turned that is refracted into a solid, mirrored `mirrors` times inside,
- * and refracted out [degrees]; negative where it is not. */
+/** Angle of deviation of a ray of a wavelength after refraction into a solid, `mirrors` internal reflections,
+ * and refraction out of it [degrees]; negative if it misses the solid. */
 double deviation(const Scene& scene, Ray ray, float wavelength, int mirrors) {
   const Vec3f before = ray.direction;
   double turned = 0;
@@ -53,7 +54,7 @@ TEST(Dispersion, ColoursOfWavelengthsAddUpToWhite) {
   for (int i = 0; i < N; ++i)
     sum += Rgbd(wavelengthColour(sampleWavelength((static_cast<float>(i) + 0.5f) / N))) / double(N);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 1, 1e-3);
-  // Red light is long, blue light short.
+  // Red has long wavelengths, blue short ones.
   const Rgb red = wavelengthColour(620), green = wavelengthColour(540), blue = wavelengthColour(450);
   EXPECT_GT(red.r, 5 * red.b);
   EXPECT_GT(green.g, 2 * std::max(green.r, green.b));
@@ -74,7 +75,7 @@ TEST(Dispersion, IndicesOfGlasses) {
   EXPECT_TRUE(DispersiveIndex({{400, 700}, {1.5, 1.5}}).isConstant());
 }
 
-/** At the least deviation δ of a prism of angle A, n sin(A/2) = sin((A + δ)/2). */
+/** At the angle of minimum deviation δ of a prism of angle A, n sin(A/2) = sin((A + δ)/2). */
 TEST(Dispersion, PrismTurnsLightByItsIndex) {
   const auto scene = sceneFrom(view(4, "0 0 9  0 0 0  0 1 0", 30) + R"(
 Material "dielectric" "spectrum eta" "glass-F11"
@@ -108,34 +109,34 @@ TEST(Dispersion, RainbowsOfADropStandAt42And51Degrees) {
   };
   EXPECT_NEAR(bow(1, 650), 42, 0.5);
   EXPECT_NEAR(bow(2, 650), 51, 0.5);
-  // Red is outside of the first and inside of the second.
+  // Red is outside in the primary rainbow and inside in the secondary one.
   EXPECT_NEAR(bow(1, 650) - bow(1, 400), 1.9, 0.3);
   EXPECT_NEAR(bow(2, 400) - bow(2, 650), 3.3, 0.5);
 }
 
-/** In a white surrounding glass without losses cannot be told from nothing, in any colour. */
+/** In white surroundings glass without absorption is invisible in every colour. */
 TEST(Dispersion, WhiteLightThroughGlassStaysWhiteAsAWhole) {
   const ThreadPool pool;
   const auto scene = glassBallUnderWhiteSky(8, 18);
   const auto check = [&](const char* integrator, int samplesPerPixel, double bound) {
-    const bool oneMap = integrator == std::string("photonmap"); // there is nothing that photons could light
+    const bool oneMap = integrator == std::string("photonmap"); // no surface can store photons
     const Rendered r =
         renderScene(*scene, integrator, oneMap ? "\"integer passes\" 1" : "", samples(samplesPerPixel));
     Rgbd sum(0);
     for (size_t p = 0; p < r.pixels(); ++p) sum += Rgbd(r.value(p)) / double(r.pixels());
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 1, (SANITIZED ? 8 : 1) * bound) << integrator;
   };
-  check("path", 16384, 0.005); // four standard errors
+  check("path", 16384, 0.005); // bound of four standard errors
   for (const char* integrator : {"simplepath", "photonmap", "whitted", "bdpt", "vcm"})
     check(integrator, 256, 0.04);
 }
 
-/** The samples of a pixel share the spectrum out among them. */
+/** The wavelengths of a pixel's samples are stratified over the spectrum. */
 TEST(Dispersion, WavelengthsOfAPixelAreStratified) {
   constexpr int N = 64, COLOURS = 10000;
   const ThreadPool pool;
   const auto scene = glassBallUnderWhiteSky(16, 8);
-  double independent = 0; // squared error of N wavelengths, all three colours
+  double independent = 0; // squared error for N wavelengths, sum of the three colours
   for (int i = 0; i < COLOURS; ++i) {
     const Rgb e = wavelengthColour(sampleWavelength((static_cast<float>(i) + 0.5f) / COLOURS)) - Rgb(1);
     independent += double(e.r * e.r + e.g * e.g + e.b * e.b) / COLOURS / N;
@@ -149,7 +150,7 @@ TEST(Dispersion, WavelengthsOfAPixelAreStratified) {
   EXPECT_LT(error, 0.5 * independent);
 }
 
-/** Light is split alike by whoever follows it: behind a prism of the eye's side, and in caustics. */
+/** Camera paths and photons agree on dispersion: in a prism on the camera's side, and in caustics. */
 TEST(Dispersion, EyePathsAndPhotonsAgree) {
   const ThreadPool pool;
   const auto scene = sceneFrom(view(24, "0 -2.5 1.6  0 .3 .2  0 0 1", 45) + R"(

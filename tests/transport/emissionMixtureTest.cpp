@@ -1,5 +1,5 @@
 /** @file
- * Mixtures of emission: fluxes against closed forms before and after learning, choice of lights, caustics.
+ * Mixtures of emission: fluxes against closed forms before and after learning, selection of lights, caustics.
  */
 #include "transport/emission/emissionMixture.h"
 #include "transport/rendering.h"
@@ -21,7 +21,7 @@ Shape "sphere" "float radius" .5
 )";
 }
 
-/** Sixty away from the ball. */
+/** Sixty units from the ball. */
 const std::string FAR_AWAY = "Translate 20 -30 48\n";
 const std::string FAR_LAMPS[] = {
     FAR_AWAY + "LightSource \"point\" \"rgb I\" [ 9 8 7 ]",
@@ -57,8 +57,8 @@ bool hitsBall(const LeRay& ray) {
   return along > 0 && lengthSquared(way) - square(along) < square(0.5f);
 }
 
-/** Flux of a light towards the ball, by shadow rays from its centre: the light is so far that it is
- * irradiance times silhouette. */
+/** Flux of a light towards the ball by shadow rays from its centre; for a distant light it is irradiance
+ * times cross section. */
 Mean fluxByShadowRays(const Light& light) {
   std::vector<double> arriving(1000);
   for (uint32_t i = 0; i < arriving.size(); ++i) {
@@ -70,11 +70,11 @@ Mean fluxByShadowRays(const Light& light) {
   return Mean(arriving);
 }
 
-/** Flux of many samples, and what reaches the ball. */
+/** Flux of many samples in all, and flux that reaches the ball. */
 struct Emission {
   static constexpr uint32_t N = 100000;
   std::vector<double> all = std::vector<double>(N), toBall = std::vector<double>(N);
-  double secondMoment = 0; ///< of the flux to the ball
+  double secondMoment = 0; ///< second moment of the flux to the ball
   int met = 0, otherwise = 0;
 
   Emission(const EmissionMixture& mixture, const Light& light, EmissionMixture::Moments& moments) {
@@ -108,7 +108,7 @@ TEST(EmissionMixture, KeepsTheFluxOfALampWhateverIsLearned) {
     for (int round = 0; round < 3; ++round) {
       EmissionMixture::Moments moments(mixture);
       const Emission e(mixture, light, moments);
-      EXPECT_LT(e.otherwise, int(Emission::N) / 5000) << lamp; // on the very edge of a cone
+      EXPECT_LT(e.otherwise, int(Emission::N) / 5000) << lamp; // on the edge of a cone, up to rounding
       const Mean flux(e.all), toBall(e.toBall);
       EXPECT_NEAR(flux.value / power, 1, 4 * flux.error / power) << lamp;
       EXPECT_NEAR(toBall.value, expected.value, 4 * (toBall.error + expected.error) + 2e-3 * expected.value)
@@ -135,7 +135,7 @@ TEST(EmissionMixture, ChoosesLightsByWhatTheyBring) {
   ASSERT_TRUE(scene);
   EmissionMixture mixture = mixtureOf(*scene);
   ASSERT_TRUE(mixture.active());
-  // Half of the photons start by power, half are equally distributed.
+  // Half of the photons select their light by power, half uniformly.
   EXPECT_NEAR(mixture.lights().probability(1), 0.25f + 0.5f / 1001, 1e-4f);
   EmissionMixture::Moments moments(mixture);
   LeRay down;
@@ -143,16 +143,16 @@ TEST(EmissionMixture, ChoosesLightsByWhatTheyBring) {
   down.origin = Vec3f(0, 0, 3);
   moments.add(1, down, 1);
   mixture.adapt(moments);
-  // Only the second light has brought anything; a fifth stays as it was.
+  // Only the second light has contributed; a fifth of the probabilities is not learned.
   EXPECT_NEAR(mixture.lights().probability(1), 0.8f + 0.2f * (0.25f + 0.5f / 1001), 1e-4f);
   EXPECT_NEAR(mixture.lights().probability(0) + mixture.lights().probability(1), 1, 1e-5f);
-  mixture.adapt(EmissionMixture::Moments(mixture)); // nothing is learned from nothing
+  mixture.adapt(EmissionMixture::Moments(mixture)); // moments without samples change nothing
   EXPECT_GT(mixture.lights().probability(1), 0.8f);
 }
 
 TEST(EmissionMixture, AFarSunHasTheCausticOfADistantLight) {
-  // A ball of irradiance, as of a light in one direction, by a lamp of small radius r at distance d: L π
-  // r²/d².
+  // The ball has the same irradiance as in the light of a distant lamp; a sphere of small radius r at
+  // distance d has L π r²/d².
   const auto render = [&](const std::string& light) {
     const std::string text = ballOnFloor(24, light);
     return renderText(text, "photonmap", "", samples(32));
@@ -198,12 +198,13 @@ TEST(EmissionMixture, DensitiesOfEachLightIntegrateToOneWhateverIsLearned) {
         for (uint32_t i = 0; i < N; ++i) {
           Sampler sampler(9, start, i);
           LeRay ray = *sample;
-          if (light.isInfinite()) { // a direction, and all parallel rays that may hit the scene
+          if (light.isInfinite()) { // all parallel rays of a direction that may hit the scene
             const Frame across(ray.direction);
             const Vec2f disc = uniformDisk(sampler.next2D()) * widest;
             ray.origin = bounds.center + across.toWorld({disc.x, disc.y, -widest});
             double density = double(mixture.pdfLe(0, ray).position);
-            // The light's own sampling has the same density for all lines, but samples those of the disc.
+            // The light's own sampling covers only the lines through the disc, with constant density;
+            // subtracts it outside.
             if (glm::length(disc) > bounds.radius)
               density -= (1 - mixture.boxPart()) * double(bounds.pdfDisc());
             values[i] = density * M_PI * square(double(widest));
@@ -213,14 +214,14 @@ TEST(EmissionMixture, DensitiesOfEachLightIntegrateToOneWhateverIsLearned) {
             if (!back || twoSided) values[i] = double(mixture.pdfLe(0, ray).direction) * 4 * M_PI;
           }
         }
-        // Cones around boxes may reach behind an emitting surface, where samples have no flux.
+        // Cones around boxes may include directions behind an emitting surface, where samples have no flux.
         std::vector<double> behind(N);
         if (!light.isInfinite() && sample->normal != Vec3f(0))
           for (uint32_t i = 0; i < N; ++i) {
             Sampler sampler(11, start, i);
             LeSample redirected = *sample;
             if (twoSided && i % 2 == 0) redirected.normal = -redirected.normal;
-            redirected.direction = redirected.normal; // of the light's own sampling: in front
+            redirected.direction = redirected.normal; // as by the light's own sampling, in front
             mixture.redirect(0, redirected, sampler.next1D(), sampler.next2D());
             behind[i] = glm::dot(redirected.direction, redirected.normal) <= 0;
           }

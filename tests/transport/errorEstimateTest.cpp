@@ -1,6 +1,6 @@
 /** @file
- * A render knows its own error: the film's estimate against closed forms and against the truth, and renders
- * that end by it.
+ * Error estimates of renders: the film's estimate against closed forms and against the true error, and
+ * renders that stop at an estimated error.
  */
 #include "rendering.h"
 
@@ -28,8 +28,8 @@ namespace {
 
 constexpr int WIDTH = 96, SAMPLES = 64;
 
-/** A film of WIDTH x WIDTH pixels, where sample `s` of the pixel in column x has luminance 1 plus
- * x/WIDTH times `deviation`(sampler of the pixel, s). */
+/** Film of WIDTH x WIDTH pixels, where sample `s` of a pixel in column x has the luminance 1 plus x/WIDTH
+ * times `deviation`(sampler of the pixel, s). */
 template <class Deviation> Film filmOf(const Deviation& deviation) {
   Film film({0, 0, WIDTH, WIDTH}, 1);
   for (size_t i = 0; i < film.bounds().area(); ++i)
@@ -41,7 +41,7 @@ template <class Deviation> Film filmOf(const Deviation& deviation) {
   return film;
 }
 
-/** Root mean square of the errors that are stated for a column of filmOf(), as deviations of a sample. */
+/** Root mean square of the estimated errors in a column of filmOf(), scaled to deviations of a sample. */
 double statedAt(const Film& film, size_t column) {
   const std::vector<double> errors = film.standardErrors();
   double sum = 0;
@@ -62,8 +62,8 @@ TEST(ErrorEstimate, StandardErrorOfIndependentSamples) {
   EXPECT_NEAR(film.relativeError(), 0.95 / std::sqrt(double(SAMPLES)), 0.1 / std::sqrt(double(SAMPLES)));
 }
 
-/** Of eight samples in a row four are too dark and four too bright; what is left is the same for all eight.
- */
+/** Four of eight consecutive samples are too dark and four too bright; the remaining error is common to all
+ * eight. */
 TEST(ErrorEstimate, StandardErrorOfStratifiedSamplesThatShareAnError) {
   constexpr float SHARED = 0.1f;
   const Film film = filmOf([](const Sampler& sampler, uint32_t s) {
@@ -74,20 +74,19 @@ TEST(ErrorEstimate, StandardErrorOfStratifiedSamplesThatShareAnError) {
     EXPECT_NEAR(statedAt(film, column), truth, 0.15 * truth) << column;
 }
 
-/** Of light paths that bring `value` to a pixel with chance q, the mean has the variance value² q (1-q) / n.
- */
+/** If light paths add `value` to a pixel with probability q, the mean has the variance value² q (1-q) / n. */
 TEST(ErrorEstimate, StandardErrorOfKnownSplats) {
   PixelBounds bounds;
   bounds.x1 = 20;
   bounds.y1 = 1;
   Film film(bounds, 3);
   film.enableSplats(0x1p-30);
-  const auto scene = sceneFrom(litCorner(4)); // which has a box filter
+  const auto scene = sceneFrom(litCorner(4)); // a scene with a box filter
   constexpr int PATHS = 200;
   const Rgb black[3] = {BLACK, BLACK, BLACK};
   for (size_t i = 0; i < 20; ++i) {
     for (uint32_t s = 0; s < 8; ++s) film.add(i, s, 1, black, BLACK);
-    for (size_t k = 0; k < 10 * i; ++k) // in two layers, which count once
+    for (size_t k = 0; k < 10 * i; ++k) // a splat into two layers counts once
       film.splat({static_cast<float>(i) + 0.5f, 0.5f}, scene->filter(), 5, Rgb(3));
   }
   film.splats()->addPaths(PATHS);
@@ -120,14 +119,14 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
         stated += square(errors[p]) + square(errorsOfTruth[p]);
       }
     }
-    // Direct light that is seen whole gains by the strata of more samples than a batch has.
+    // Direct light without occlusion is stratified over more samples than a batch has.
     const double ratio = std::sqrt(squares / stated);
     EXPECT_GT(ratio, 0.33) << integrator << parameters;
     EXPECT_LT(ratio, 1.15) << integrator << parameters;
   }
 }
 
-/** The pixels of `lightpath` are all splats; without the lamp, which it does not see. */
+/** Pixels of `lightpath` are only splats; the lamp itself is not visible in them. */
 TEST(ErrorEstimate, IsNearTheTrueErrorOfSplats) {
   const auto scene = sceneFrom(view(16, "0 0 3  0 0 0  0 1 0", 40) + R"(
 Shape "disk" "float radius" 3

@@ -1,6 +1,6 @@
 /** @file
- * Who estimates which paths: the domains of every integrator with every combination of its options are
- * disjoint and cover what they should, and estimators that share paths have weights that sum to one.
+ * Assignment of paths to estimators: the domains of every integrator with every combination of its options
+ * are disjoint and cover all paths that it claims, and weights of estimators that share paths sum to one.
  */
 #include "classRendering.h"
 
@@ -13,7 +13,8 @@ using namespace recurse::testing;
 
 namespace {
 
-/** What the integrator claims; paths in a medium as soon as it estimates any of them. */
+/** Paths that the domains must cover: the claims of the integrator, with paths in media if it estimates any
+ * of these. */
 std::string whatToCover(const Integrator& integrator) {
   if (const std::string claims = integrator.claims(); !claims.empty()) return claims;
   const std::vector<EstimatorDomain> domains = integrator.domains();
@@ -25,7 +26,7 @@ std::string whatToCover(const Integrator& integrator) {
 
 std::string nameOf(const Way& way) { return way.integrator + way.parameters; }
 
-/** All ways but those with the same domains and the same paths to cover as an earlier one. */
+/** All ways without those whose domains and paths to cover are the same as for an earlier one. */
 std::vector<Way> waysWithDistinctDomains() {
   std::vector<Way> ways;
   std::set<std::string> known;
@@ -50,7 +51,7 @@ TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
     EXPECT_TRUE(report.sound()) << nameOf(way) << "\n" << report.text();
     ++combinations;
   }
-  // Options are found, not only integrators.
+  // Options are included, not only integrators.
   EXPECT_GT(combinations, plugIns().integrators.entries().size());
 }
 
@@ -60,7 +61,8 @@ TEST(EstimatorDomains, LobesAreSharedOnlyWhereTheyAreFollowed) {
       integratorFrom("photonmap", "\"integer passes\" 1 \"float followroughness\" 0")->domains();
   EXPECT_EQ(shared.back().estimator, "paths that go on");
   EXPECT_EQ(shared.size(), alone.size() + 1);
-  EXPECT_EQ(shared.back().expression, alone.back().expression); // what the map leaves, a part of its paths
+  EXPECT_EQ(shared.back().expression,
+            alone.back().expression); // paths that the map leaves to rays, a subset of its paths
   EXPECT_TRUE(alone.back().sharedGroup.empty());
   EXPECT_TRUE(checkDomains(alone, "surface").sound());
 }
@@ -70,7 +72,7 @@ TEST(GatherWeighting, WeightsAddUpToOneAndChangeWithoutSteps) {
   EXPECT_EQ(GatherWeighting().followed(1e30f), 0);
   for (const double alpha : {1e-3, 0.2, 1.0}) {
     const GatherWeighting s = GatherWeighting::belowRoughness(alpha);
-    // The metal's lobe of this roughness seen from the normal: D / 4 in its middle.
+    // Lobe of a metal of this roughness in the direction of the normal: D / 4 at its centre.
     EXPECT_NEAR(s.density * 4 * M_PI * alpha * alpha, 1, 1e-5);
     EXPECT_NEAR(s.followed(s.density), 0.5, 1e-6);
     float before = 0;
@@ -90,7 +92,7 @@ TEST(GatherWeighting, WeightsAddUpToOneAndChangeWithoutSteps) {
   }
 }
 
-/** The same by set algebra on the automata, without the code that explains the findings. */
+/** Partition by set algebra on the automata, independent of the code that explains the findings. */
 TEST(EstimatorDomains, PartitionByAutomata) {
   for (const Way& way : waysWithDistinctDomains()) {
     const auto integrator = integratorFrom(way.integrator, way.parameters);
@@ -122,10 +124,10 @@ TEST(EstimatorDomains, EstimatorsOfPanesAloneCoverNothing) {
   EXPECT_EQ(report.uncoveredExpression, missedOfDeltaLights(domains));
   domains.push_back(domains.front());
   domains.back().expression = "LS+DE";
-  EXPECT_EQ(checkDomains(domains, "surface").overlaps.size(), 1u); // shared with the panes' estimator
+  EXPECT_EQ(checkDomains(domains, "surface").overlaps.size(), 1u); // overlap with the estimator of panes
 }
 
-/** Soundness is no accident of a check that sees nothing: every single spoilt list is found out. */
+/** The check of soundness is not vacuous: it rejects every list with a single defect. */
 TEST(EstimatorDomains, SpoiltListsAreFoundOut) {
   for (const Way& way : waysWithDistinctDomains()) {
     const auto integrator = integratorFrom(way.integrator, way.parameters);
@@ -146,7 +148,7 @@ TEST(EstimatorDomains, SpoiltListsAreFoundOut) {
 
 namespace {
 
-/** A room with things in it, and the lights that are given. */
+/** A room with furniture, and the given lights. */
 std::string roomWith(const std::string& lights) {
   return view(16, "0 0 3  0 0 0  0 1 0", 60) + R"(
 MakeNamedMaterial "paint" "string type" "diffuse" "rgb reflectance" [ .2 .5 .3 ]
@@ -224,7 +226,7 @@ AttributeBegin Translate -.6 .5 .2 ObjectInstance "lamp" AttributeEnd
   return all;
 }
 
-/** The first emitting thing that a ray meets, through surfaces that do not scatter; false for a dark one. */
+/** First emitter along a ray, through surfaces that do not scatter; false if it does not emit. */
 bool findLight(const Scene& scene, const SurfacePoint& from, const Vec3f& direction, const Light& wanted,
                Hit& hit, bool& escaped) {
   Ray ray{from.rayOrigin(direction), direction, INFINITE};
@@ -240,7 +242,7 @@ bool findLight(const Scene& scene, const SurfacePoint& from, const Vec3f& direct
   }
 }
 
-/** Calls visit(point, hit, wi, sampler) for surface points that eye walks meet, at which there is a D. */
+/** Calls visit(point, hit, wi, sampler) for the surface points of camera walks that have a non-delta lobe. */
 template <class Visit> void visitPoints(const Scene& scene, int walks, Visit&& visit) {
   BsdfArena arena;
   for (int i = 0; i < walks; ++i) {
@@ -262,7 +264,7 @@ template <class Visit> void visitPoints(const Scene& scene, int walks, Visit&& v
 
 constexpr double SAME = 1e-3;
 
-/** Densities and sums agree but for paths that rounding bends past an edge. */
+/** Expects that densities and sums agree except for a few paths that pass an edge by rounding. */
 void expectFew(size_t wrong, size_t tested, const std::string& what) {
   EXPECT_GT(tested, size_t(samples(500))) << what;
   EXPECT_LE(double(wrong), 1e-3 * double(tested)) << what << ": " << wrong << " of " << tested;
@@ -270,7 +272,8 @@ void expectFew(size_t wrong, size_t tested, const std::string& what) {
 
 } // namespace
 
-/** A BSDF ray that meets a light finds the density with which shadow rays choose that very point. */
+/** For a BSDF ray that hits a light, the density is equal to the density with which shadow rays sample the
+ * same point. */
 TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
   for (const LitRoom& room : litRooms()) {
     const auto scene = sceneFrom(roomWith(room.lights));
@@ -291,7 +294,7 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                   if (!findLight(*scene, point, light->direction, *chosen.light, hit, escaped)) return;
                   double density = -1, chance = -1;
                   if (escaped) {
-                    if (light->distance != INFINITE) return; // slipped past the rim
+                    if (light->distance != INFINITE) return; // missed the rim by rounding
                     for (size_t i = 0; i < scene->environment().size(); ++i)
                       if (scene->environment()[i] == chosen.light) {
                         density = double(scene->environment()[i]->pdfLi(point.position, light->direction));
@@ -299,12 +302,13 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                             double(guide.probability(scene->lights(), place, scene->environmentIndices()[i]));
                       }
                   } else {
-                    // The far side of the light, or another part of it, is another path.
+                    // A point on the far side of the light, or on a different part of it, belongs to a
+                    // different path.
                     if (glm::distance(hit.point.position, light->target) > 1e-4f) return;
                     density = double(hit.areaLight->pdfLi(point.position, hit.primitive, hit.point));
                     chance = double(guide.probability(scene->lights(), place, hit.lightIndex));
                   }
-                  // The ray is rounded; near a silhouette that moves the point, and the cosine with it.
+                  // The ray is rounded; near a silhouette this moves the point, and changes the cosine.
                   const double cosine =
                       escaped ? 1 : double(absDot(hit.point.geometricNormal, light->direction));
                   const double slack = SAME * std::max(1.0, square(0.1 / cosine));
@@ -317,7 +321,7 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
   }
 }
 
-/** A photon that is sent in a direction carries what one that happens to go there does. */
+/** A photon that is sent in a given direction has the same flux as one whose direction is sampled. */
 TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
   const auto scene = sceneFrom(roomWith(litRooms().front().lights));
   size_t tested = 0, wrong = 0;
@@ -333,8 +337,8 @@ TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
   expectFew(wrong, tested, "flux");
 }
 
-/** A shadow ray finds the density with which BSDF rays are sent, with the lobes of `path` and of `photonmap`.
- */
+/** The BSDF density of a shadow ray is equal to the density of BSDF rays, with the lobes of `path` and of
+ * `photonmap`. */
 TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfDirections) {
   const auto scene = sceneFrom(roomWith(litRooms().front().lights));
   for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(NON_DELTA_LOBES)}) {
@@ -353,11 +357,9 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfDirections) {
 
 namespace {
 
-/**
- * What `n` shadow rays bring when each path counts as much as the BSDF rays' functions leave of it. The
- * sampler draws the numbers that addSampledLight draws, in the same order. `shared` counts the weights that
- * are neither nearly 0 nor nearly 1.
- */
+/** Direct light by `n` shadow rays, where each path has one minus the weight that the functions for BSDF rays
+ * return. The sampler draws the same numbers as addSampledLight, in the same order. `shared` counts the
+ * weights that are neither nearly 0 nor nearly 1. */
 Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
                      const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi, int n,
                      LobeSet allowed, Sampler sampler, size_t& shared) {
@@ -386,7 +388,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
                                  : emittedRadiance(scene, guide, hit, light->direction, ray, n),
               plain = escaped ? environmentRadiance(scene, guide, light->direction, {}, n)
                               : emittedRadiance(scene, guide, hit, light->direction, {}, n);
-    // A colour at a time: the two skies have none in common.
+    // One colour at a time: the two skies have no colour in common.
     for (int c = 0; c < 3; ++c)
       if (alone[c] > 0) {
         const float weight = plain[c] > 0 ? weighted[c] / plain[c] : 0;
@@ -399,10 +401,8 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
 
 } // namespace
 
-/**
- * What shadow rays bring, by addSampledLight, is what they would bring alone times one minus the weight that
- * emittedRadiance or environmentRadiance gives to a BSDF ray of the same path.
- */
+/** Direct light by addSampledLight is equal to shadow rays alone times one minus the weight that
+ * emittedRadiance or environmentRadiance gives to a BSDF ray of the same path. */
 TEST(MultipleImportanceSampling, WeightsSumToOne) {
   const PathClasses classes;
   const CameraState eye = classes.step(classes.cameraStart(), PathEvent::D);
@@ -438,7 +438,7 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
   }
 }
 
-/** What no estimator finds of light from a point: by each integrator's own word. */
+/** Paths from point lights that no estimator of the integrator finds, by its domains. */
 TEST(EstimatorDomains, KnowWhatOfDeltaLightsTheyMiss) {
   EXPECT_EQ(missedOfDeltaLights(integratorFrom("photonmap", "")->domains()), "");
   EXPECT_EQ(missedOfDeltaLights(integratorFrom("photonmap", "\"string direct\" \"photons\"")->domains()), "");
@@ -448,7 +448,7 @@ TEST(EstimatorDomains, KnowWhatOfDeltaLightsTheyMiss) {
         << name;
 }
 
-/** The rays that learning takes are in the counts. */
+/** The counts include the rays of learning. */
 TEST(Counts, IncludeLearning) {
   std::string lamps;
   for (int i = 0; i < 4; ++i)

@@ -1,5 +1,5 @@
 /** @file
- * Trials of estimators, and what auto chooses by them.
+ * Trials of estimators, and the choices of auto.
  */
 #include "rendering.h"
 
@@ -16,7 +16,7 @@ namespace {
 /** Large enough for a trial. */
 constexpr int SIZE = 96;
 
-/** A ball with a nearly smooth coat on a floor of the same, under an open sky. */
+/** A ball with a nearly smooth coat on a floor of the same material, under an open sky. */
 std::string coats() {
   return view(SIZE, "0 1.5 4  0 .4 0  0 1 0", 40) + "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
                                                     "Material \"coateddiffuse\" \"float roughness\" .001\n"
@@ -50,7 +50,7 @@ Shape "sphere" "float radius" .02
 AttributeEnd
 )";
 
-/** What auto says it has chosen. */
+/** The note of auto about its choice. */
 std::string choiceOf(const Rendered& r) {
   for (const std::string& note : r.statistics.notes)
     if (note.starts_with("auto: ")) return note;
@@ -78,11 +78,11 @@ TEST(EstimatorTrial, FiguresAreVariancesByScale) {
     noisy[size_t(k)].counts.rays = exact[size_t(k)].counts.rays = 3 * EstimatorTrial::PIXELS;
   }
   const EstimatorTrial::Figures f = EstimatorTrial::figures(noisy, exact);
-  // The denominator is what it should be but for a hundredth of the mean square.
+  // Expected value, up to a hundredth of the mean square in the denominator.
   const double ofPixels = (PIXEL * PIXEL + SHARED * SHARED) / (1.01 * MEAN * MEAN);
   const double ofBlocks = (PIXEL * PIXEL / BLOCK_PIXELS + SHARED * SHARED) / (1.01 * MEAN * MEAN);
   EXPECT_NEAR(f.ofPixels, ofPixels, 0.1 * ofPixels);
-  EXPECT_NEAR(f.ofBlocks, ofBlocks, 0.4 * ofBlocks); // 144 blocks
+  EXPECT_NEAR(f.ofBlocks, ofBlocks, 0.4 * ofBlocks); // the estimate has 144 blocks
   EXPECT_DOUBLE_EQ(f.work, 3);
   EXPECT_EQ(EstimatorTrial::figures(exact, noisy).ofPixels, 0);
 
@@ -109,8 +109,8 @@ TEST(EstimatorTrial, WhatBothFindIsBrightForBoth) {
 }
 
 TEST(EstimatorTrial, LampsThemselvesAreLeftOut) {
-  // Seen straight, in a mirror, through glass, and through a haze that only dims; of its light nothing else
-  // is.
+  // Lamp visible directly, in a mirror, through glass, and through a haze that only absorbs; no other light
+  // is visible.
   const std::string lamp = view(SIZE, "0 0 3  0 0 0  0 1 0", 40) + R"(
 Material "conductor" "rgb reflectance" [ .5 .5 .5 ]
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -.5 -2  2 -.5 -2  2 -.5 2  -2 -.5 2 ]
@@ -166,7 +166,8 @@ Shape "sphere" "float radius" .05
 }
 
 TEST(EstimatorTrial, CausticsOfPointsInMediaStayWithPhotons) {
-  // No path finds the sun's light behind glass, and beside paths no photons are kept in the haze.
+  // No path finds the sun's light behind glass, and in combination with path tracing no photons are stored in
+  // the haze.
   const std::string haze =
       "LightSource \"distant\" \"point3 from\" [0 1 1] \"rgb L\" [.1 .1 .1]\n"
       "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] "
@@ -179,7 +180,7 @@ TEST(EstimatorTrial, CausticsOfPointsInMediaStayWithPhotons) {
 }
 
 TEST(EstimatorTrial, MediaHideNoCaustics) {
-  // Faint matter inside of the ball, which only absorbs.
+  // A thin medium inside of the ball, which only absorbs.
   const std::string lamp = SMALL_LAMP + R"(
 MakeNamedMedium "faint" "string type" "homogeneous" "rgb sigma_a" [ .01 .02 .03 ] "rgb sigma_s" [ 0 0 0 ]
 MediumInterface "faint" ""
@@ -196,7 +197,7 @@ MediumInterface "faint" ""
 
 TEST(EstimatorTrial, CausticsStayWithPhotons) {
   EXPECT_FALSE(isLeftToPaths(renderText(glassBall(SMALL_LAMP), "auto", "", 1)));
-  // Path tracing does not find a point light's caustic, whatever its own noise.
+  // Path tracing does not find the caustic of a point light, whatever its own noise.
   EXPECT_FALSE(isLeftToPaths(renderText(
       glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "auto", "", 1)));
 }
@@ -211,7 +212,8 @@ TEST(EstimatorTrial, LightThatNoPathFindsIsMissed) {
   EXPECT_EQ(EstimatorTrial::missedVariance(grey, black), 0);
   EXPECT_EQ(EstimatorTrial::missedVariance(grey, grey), 0);
   EXPECT_EQ(EstimatorTrial::missedVariance(black, black), 0);
-  // A small lamp in a glass ball, behind a wall: its caustics are not seen, and what comes of them is.
+  // A small lamp in a glass ball, behind a wall: its caustics are hidden, and the light that they reflect is
+  // visible.
   const std::string hidden = view(SIZE, "0 0 .95  0 -1 -.2  0 1 0", 40) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
 Shape "box" "point3 p1" [ -1 -1 -1 ] "point3 p2" [ 1 1 1 ]
@@ -239,7 +241,8 @@ TEST(EstimatorTrial, FewSamplesAreNotJudged) {
 }
 
 TEST(EstimatorTrial, LightThroughASlitStaysWithPhotons) {
-  // Of 18,000 paths some ten bring all the light; by what the others err by they would be far ahead.
+  // About ten of 18,000 paths carry all light; an estimate from the errors of the other paths would favour
+  // path tracing.
   const auto scene = sceneFrom(view(SIZE, "-1.2 1.4 -1.8  .4 1 2  0 1 0", 55) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
 Shape "box" "point3 p1" [ -2 0 -2 ] "point3 p2" [ 2 2.5 6 ]

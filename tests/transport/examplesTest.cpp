@@ -1,5 +1,5 @@
 /** @file
- * The examples of doc-files/first-plug-ins.md, and the integrators that are there to be read.
+ * Examples of doc-files/first-plug-ins.md, and the integrators that are meant to be read.
  */
 #include "rendering.h"
 
@@ -32,7 +32,8 @@ TEST(Examples, TheirSceneIsTheSameByPathsFromTheCameraAndFromTheLights) {
 }
 
 TEST(Examples, SimplePhotonMapOfAWhiteRoomIsItsClosedForm) {
-  // Inside of a sphere that emits E and reflects a half all radiance is E / (1 - 1/2), through glass as well.
+  // Inside of a sphere that emits E and reflects a half, the radiance is E / (1 - 1/2) everywhere, through
+  // glass as well.
   const Rendered r =
       renderText(view(16, "0 -.9 0  0 0 0  0 0 1", 60) + R"(
 AttributeBegin
@@ -55,6 +56,6 @@ TEST(Examples, SimplePhotonMapSeesTheRoomThatPathsSee) {
   const Rendered path = renderScene(*scene, "path", "", samples(256)),
                  map = renderScene(*scene, "simplephotonmap",
                                    "\"integer photons\" 300000 \"integer gatherphotons\" 60", samples(16));
-  // Estimates next to edges miss what lies round the corner: a little darker.
+  // Density estimates near edges miss photons beyond the edge: slightly darker.
   EXPECT_NEAR(map.mean() / path.mean(), 1, 0.02 + 4 * path.standardError() / path.mean());
 }

@@ -19,13 +19,13 @@ Image features(const std::string& text, FeatureSettings settings) {
 std::vector<std::string> allLayers() {
   std::vector<std::string> names;
   for (const FeatureLayer& layer : featureLayers())
-    if (*layer.channels && layer.isOfScene) names.emplace_back(layer.name); // not the mattes
+    if (*layer.channels && layer.isOfScene) names.emplace_back(layer.name); // without the mattes
   return names;
 }
 
 const std::string SMALL_FILM = "Film \"rgb\" \"integer xresolution\" 33 \"integer yresolution\" 33\n"
                                "LookAt 1 2 -5  1 2 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n";
-/** A wall at z = 3, eight units in front of the eye. */
+/** A wall at z = 3, eight units in front of the camera. */
 const std::string BACK_WALL =
     "Material \"diffuse\" \"rgb reflectance\" [.8 .4 .1]\n"
     "Shape \"bilinearmesh\" \"point3 P\" [-20 -20 3  20 -20 3  -20 20 3  20 20 3]\n";
@@ -43,7 +43,7 @@ TEST(FeatureLayers, OfAWallAreItsGeometry) {
     EXPECT_NEAR(p[2], 0.1f, 1e-4f);
     EXPECT_NEAR(p[5], -1, 1e-5f);
     EXPECT_NEAR(p[8], -1, 1e-5f);
-    // Of the pixel's middle, but for the mean over the pixel.
+    // Value at the pixel's centre; the layer has the mean over the pixel.
     const float across = std::abs(float(x) + 0.5f - 16.5f) / 16.5f * std::tan(0.349066f);
     EXPECT_NEAR(p[9], 8 * std::sqrt(1 + across * across), 0.02f) << x;
     EXPECT_NEAR(std::abs(p[10] - 1), 8 * across, 0.1f) << x;
@@ -63,7 +63,7 @@ TEST(FeatureLayers, NothingIsBlackAndEdgesAreMeansOfWhatIsThere) {
     const float albedo = f.at(x, 16)[0], depth = f.at(x, 16)[3];
     if (albedo > 0.01f && albedo < 0.49f) {
       ++edges;
-      EXPECT_GT(depth, 4.5f); // and not mixed with the emptiness beside it
+      EXPECT_GT(depth, 4.5f); // not mixed with the empty background
       EXPECT_LT(depth, 5.1f);
     }
   }
@@ -78,7 +78,7 @@ TEST(FeatureLayers, MirrorsAndGlassAreLookedThroughOnRequest) {
       "Shape \"bilinearmesh\" \"point3 P\" [-20 -20 -9  20 -20 -9  -20 20 -9  20 20 -9]\n";
   const Image in = features(SMALL_FILM + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, true, 1});
   EXPECT_NEAR(in.at(16, 16)[0], 0.8f, 1e-4f);
-  EXPECT_NEAR(in.at(16, 16)[3], 5 + 9, 0.02f); // to the mirror and back
+  EXPECT_NEAR(in.at(16, 16)[3], 5 + 9, 0.02f); // distance to the mirror and back
   const Image on =
       features(SMALL_FILM + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, false, 1});
   EXPECT_NEAR(on.at(16, 16)[0], 1, 0.02f);
@@ -112,7 +112,7 @@ TEST(FeatureLayers, TheGuideIsOneWhereItIsSampledAndZeroWhereItIsOff) {
 }
 
 TEST(FeatureLayers, TheGuideIsSeenInAMirror) {
-  // A small mirror on the way to the middle of the floor shows the floor before it.
+  // A small mirror in front of the middle of the floor shows the floor in front of it.
   const std::string mirror =
       "Material \"conductor\" \"rgb reflectance\" [1 1 1]\n"
       "Shape \"bilinearmesh\" \"point3 P\" [-.05 .02 -.3  .05 .02 -.3  -.05 .08 -.3  .05 .08 -.3]\n";

@@ -1,5 +1,5 @@
 /** @file
- * Media on grids and by noise: bounds, shape, glow.
+ * Media on grids and from noise: bounds, shape, emission.
  */
 #include <filesystem>
 #include <random>
@@ -24,7 +24,7 @@ Vec3f pointIn(std::mt19937& random, float low, float high) {
   return {x, y, u(random)};
 }
 
-/** No point of a ray has more extinction than the segment that it lies in. */
+/** The extinction at each point of a ray is at most the bound of its segment. */
 void expectBounded(const Medium& medium, const std::string& what) {
   std::mt19937 random(5);
   int met = 0;
@@ -76,7 +76,7 @@ TEST(GridMedia, ACloudIsFullAtItsBottom) {
 }
 
 TEST(GridMedia, WhatIsHotGlows) {
-  // One cell so wide that the medium is even where it is seen.
+  // One cell, wide enough for the medium to be constant in the visible region.
   const double kelvin = 3000;
   const Rgbd expected =
       rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT) *
@@ -95,7 +95,7 @@ TEST(GridMedia, WhatIsHotGlows) {
     const Rendered r = renderText(text, integrator, "", samples(4096));
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(double(r.value(0)[c]) / expected[c], 1, SANITIZED ? 0.2 : 0.05) << integrator << " " << c;
-    // Nothing gathers photons here: those of the first pass tell, and no others are shot.
+    // Photons contribute nothing here: the first pass shows this, and no more are shot.
     EXPECT_LT(r.statistics.photonsEmitted, 200000u) << integrator;
   }
 }
@@ -120,7 +120,7 @@ TEST(GridMedia, CellsHaveTheirOwnScaleOfLight) {
 
 namespace {
 
-/** Cells of a density along x, wherever they are along the others. */
+/** Grid whose density varies along x and is constant along the other axes. */
 WrittenGrid layers(const std::string& name, int cells, float value) {
   WrittenGrid g;
   g.name = name;
@@ -143,7 +143,7 @@ TEST(GridMedia, NanoVdbIsTheMediumOfItsGrid) {
   ASSERT_TRUE(medium) << diagnostics.format();
   expectBounded(*medium, "nanovdb");
   EXPECT_FALSE(medium->isEmissive());
-  // Value 0.5 (1 + x) at x / 8 - 0.5; between them it is linear, and after the last it falls to nothing.
+  // Value 0.5 (1 + x) at x / 8 - 0.5, linear in between; after the last value it decreases to zero.
   for (const double x : {0.0, 0.25, 3.5, 6.75})
     EXPECT_NEAR(double(medium->at({float(x / 8 - 0.5), .2f, -.3f}).scattering.g), 4 * 0.5 * (1 + x), 1e-5);
   EXPECT_NEAR(double(medium->at({7.75f / 8 - 0.5f, 0, 0}).scattering.r), 2 * 4 * 0.25, 1e-5);
@@ -154,7 +154,7 @@ TEST(GridMedia, NanoVdbIsTheMediumOfItsGrid) {
 TEST(GridMedia, NanoVdbLetsThroughWhatItsDensityDoes) {
   WrittenGrid grid = layers("density", 8, 0.25f);
   const NanoVdbFile file({grid});
-  // Along x: whole cells of densities 0.25, 0.5 … 2, linear between, and down to 0 after the last.
+  // Along x: whole cells of densities 0.25, 0.5 … 2, linear in between, and down to 0 after the last.
   double thickness = 0;
   for (int x = 0; x < 8; ++x) thickness += 0.25 * (1 + x + (x < 7 ? 2 + x : 0)) / 2;
   const Rendered r = renderText(

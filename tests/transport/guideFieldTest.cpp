@@ -1,5 +1,5 @@
 /** @file
- * Densities of the guide: normalisation, sampling, determinism, and how often it is followed.
+ * Densities of the guide: normalisation, sampling, determinism, and the cells that use it.
  */
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ using namespace recurse;
 
 namespace {
 
-/** Points around a few random centres, of very different width and strength. */
+/** Points around a few random centres, with very different widths and weights. */
 std::vector<WeightedPoint> randomPoints(uint32_t seed, size_t count) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -130,7 +130,7 @@ TEST(SquareTree, SamplesHaveTheDensityThatTheySay) {
       float density = 0;
       const Vec2f p = tree.sample({uniform(random), uniform(random)}, density);
       EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1);
-      // Rounding carries few points over the border of a leaf.
+      // By rounding, a few points are beyond the border of a leaf.
       const Vec2f grid = p * 1024.0f;
       if (glm::all(glm::greaterThan(glm::abs(grid - glm::round(grid)), Vec2f(0.01f)))) {
         EXPECT_NEAR(tree.pdf(p) / density, 1, 1e-5f);
@@ -231,7 +231,8 @@ TEST(GuideField, ADensityOfACellIntegratesToOneAndIsThatOfItsSamples) {
   for (int i = 0; i < 1000; ++i) {
     float density = 0;
     const Vec3f d = cell->sample({uniform(random), uniform(random)}, density);
-    equal += std::abs(cell->pdf(d) / density - 1) < 1e-3f; // rounding carries few over the border of a leaf
+    equal += std::abs(cell->pdf(d) / density - 1) <
+             1e-3f; // a few directions are beyond the border of a leaf by rounding
   }
   EXPECT_GT(equal, 990);
 }
@@ -251,7 +252,8 @@ TEST(GuideField, IsOffWhereBsdfSamplingIsPerfect) {
 }
 
 TEST(GuideField, TheGainOfAPerfectGuideIsThatOfTheMixture) {
-  // Light from a fraction F of the cosine: inside, the mixture has a + (1 - a) / F times the density.
+  // Light from a fraction F of the cosine: inside, the density of the mixture is a + (1 - a) / F times the
+  // BSDF density.
   const auto window = [](const Vec3f& d) { return d.x > 0 && d.y > 0 ? d.z : 0.0f; };
   GuideField field;
   const GuideCell* cell = cellOf(cosineRecords(20000, window), field);
@@ -261,9 +263,9 @@ TEST(GuideField, TheGainOfAPerfectGuideIsThatOfTheMixture) {
 }
 
 TEST(GuideField, AWindowsLightHasHardlyMoreVarianceThanByAPerfectGuide) {
-  // The floor below a uniform sky in a window that takes the fraction F of the cosine: cosine sampling has
-  // the relative variance 1/F - 1, a perfect guide that is followed with probability 1 - a has a (1 - F) / (1
-  // - a + a F).
+  // A floor below a uniform sky in a window that covers the fraction F of the cosine: cosine sampling has the
+  // relative variance 1/F - 1, a perfect guide that is followed with probability 1 - a has a (1 - F) / (1 - a
+  // + a F).
   const auto window = [](const Vec3f& d) {
     return d.x > 0.5f && std::abs(d.y) < 0.3f ? std::max(d.z, 0.0f) : 0.0f;
   };
@@ -307,14 +309,15 @@ TEST(GuideField, OneStrongRecordDoesNotOwnACell) {
 }
 
 TEST(GuideField, PhotonsAndCameraPathsAreBroughtToOneScale) {
-  // Photons come from x < 0, what camera paths find from x > 0, in units a million times smaller.
+  // Photons arrive from x < 0, and camera paths find light from x > 0, in units that are a million times
+  // smaller.
   std::vector<GuideRecord> records = cosineRecords(400, [](const Vec3f& d) { return d.z; });
   for (GuideRecord& r : records) {
     r.fromPhoton = r.direction.x < 0;
     r.value = r.fromPhoton ? 1e3f : 1e-3f;
   }
   GuideField field;
-  // Too like BSDF sampling to be followed, unless a third direction is left out.
+  // Without this gap the density is so close to BSDF sampling that the guide is switched off.
   std::erase_if(records, [](const GuideRecord& r) { return std::abs(r.direction.y) > 0.3f; });
   const GuideCell* cell = cellOf(records, field);
   ASSERT_NE(cell, nullptr);

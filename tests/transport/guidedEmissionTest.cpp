@@ -1,5 +1,5 @@
 /** @file
- * Guided photons: pictures against those without guidance.
+ * Guided photons: pictures against pictures without guidance.
  */
 #include "transport/emission/visibleRegion.h"
 #include "transport/rendering.h"
@@ -9,7 +9,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Closed rooms in a row, each with its lamp; the eye is in the first one. */
+/** Closed rooms in a row, each with a lamp; the camera is in the first one. */
 std::string rooms(int count) {
   std::string s = view(16, ".1 .5 .5  1 .5 .2  0 0 1", 70);
   for (int i = 0; i < count; ++i) {
@@ -42,7 +42,7 @@ TEST(GuidedEmission, VisibleRegionHoldsWhatIsNear) {
 
 namespace {
 
-/** The mean of the picture and the mean variance of its pixels over runs, without a guide and with one. */
+/** Mean of the picture and mean variance of its pixels over several runs, without and with a guide. */
 struct Compared {
   double mean[2] = {}, variance[2] = {};
   double samples = 0; ///< number of pixels of all runs
@@ -79,7 +79,7 @@ TEST(GuidedEmission, ManyLampsInOtherRooms) {
   const Compared c = compareGuided(
       *scene,
       "\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 \"float radius\" .08");
-  // Photons of which one in sixty counts: the same picture, at least ten times nearer to it.
+  // One photon in sixty contributes: the mean is the same, and the variance is at most a tenth.
   EXPECT_NEAR(c.mean[1] / c.mean[0], 1, 0.03);
   EXPECT_LT(c.variance[1], c.variance[0] / 10);
 }
@@ -114,7 +114,8 @@ TEST(GuidedEmission, ASphericalLampShinesAtASmallBallOfGlass) {
   EXPECT_GT(stored("true"), 8 * stored("false"));
 }
 
-/** Light on a small table has come from distant walls: a photon's start hardly tells whether it arrives. */
+/** Light on a small table arrives from distant walls: the start of a photon says little about whether it
+ * arrives. */
 TEST(GuidedEmission, SmallTableInALargeHall) {
   std::string text = view(16, "0 -.3 2.2  0 0 .8  0 0 1", 40) + R"(
     Material "diffuse" "rgb reflectance" [.6 .6 .6]
@@ -127,7 +128,7 @@ TEST(GuidedEmission, SmallTableInALargeHall) {
     text += "LightSource \"spot\" \"point3 from\" [" + std::to_string(4 * i - 6) + " 2 5] \"point3 to\" [" +
             std::to_string(6 * i - 9) + " 0 9] \"rgb I\" [90 80 70] \"float coneangle\" 60\n";
   const auto scene = sceneFrom(text);
-  // Few photons come to the table, and the guide learns little from them: the estimate must not be biased.
+  // Few photons reach the table, and the guide learns little from them: the estimate must not be biased.
   std::vector<double> means;
   for (uint64_t seed = 1; seed <= 4; ++seed)
     means.push_back(renderScene(*scene, "photonmap", "", SANITIZED ? 4 : 32, seed).mean());
@@ -139,7 +140,7 @@ TEST(GuidedEmission, SmallTableInALargeHall) {
 }
 
 TEST(GuidedEmission, ABallOfMilkInAWideHall) {
-  // Of the photons of the lamp a few in a thousand come into the milk, and make stains there.
+  // A few in a thousand of the lamp's photons enter the milk, and cause blotches there.
   constexpr size_t SIZE = 16, BLOCK = 4;
   const auto scene = sceneFrom(view(SIZE, "0 -2 .9  0 0 .3  0 0 1", 20) + R"(
     MakeNamedMedium "milk" "string type" "homogeneous" "rgb sigma_a" [.5 .5 .5] "rgb sigma_s" [9 9 9]

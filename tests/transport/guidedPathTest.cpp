@@ -1,5 +1,5 @@
 /** @file
- * Guided paths: the same picture with less noise, and a guide that depends on the pass alone.
+ * Guided paths: the mean is the same with less noise, and the guide depends on the pass alone.
  */
 #include <gtest/gtest.h>
 
@@ -24,18 +24,19 @@ TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
                  b = renderScene(*scene, *guided, classes, spp, 2);
   EXPECT_EQ(b.unsound(), "");
   EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()));
-  if (spp < 256) return; // the guide has hardly begun
+  if (spp < 256) return; // too few samples for the guide to learn
   EXPECT_LT(b.standardError(), 0.85 * a.standardError());
 }
 
 TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
-  // Every pixel sees nearly the same point of the floor, whose radiance is known: a bias would be a plateau.
+  // Every pixel sees nearly the same point of the floor, whose radiance is known: a bias would keep the error
+  // from falling.
   constexpr double HOLE = 0.3;
   const double factor = holeFormFactor(HOLE), radiance = 0.5 * factor * HOLE_RADIANCE;
   const auto scene = sceneFrom(floorBelowHole(HOLE, 16));
   const PathClasses classes;
   const auto guided = integratorFrom("path", GUIDED);
-  // Relative variance of a sample, from the squared error of pixels.
+  // Relative variance of a single sample, from the squared error of pixels.
   const auto variance = [&](int spp) {
     const Rendered out = renderScene(*scene, *guided, classes, spp, 4);
     double squares = 0;
@@ -111,7 +112,7 @@ TEST(GuidedPath, ASecondRenderByTheSameIntegratorForgetsTheFirst) {
 }
 
 TEST(GuidedPath, InAFurnaceEveryPixelIsTheRadianceOfEverything) {
-  // A closed shell that emits 1 and reflects a half shows 2 everywhere.
+  // A closed shell that emits 1 and reflects a half has the radiance 2 everywhere.
   const auto scene = sceneFrom(view(8, 8, "0 0 0  1 0 0  0 1 0", perspective(90)) + R"(
 AreaLightSource "diffuse" "rgb L" [ 1 1 1 ] "bool twosided" true
 Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]

@@ -1,6 +1,6 @@
 /** @file
- * Hair in whole scenes: white where nothing is absorbed, and the same by photons as by rays, though no photon
- * is kept on it.
+ * Hair in whole scenes: invisible without absorption in uniform light, and the same by photons and by rays,
+ * though no photons are stored on it.
  */
 #include "rendering.h"
 
@@ -9,7 +9,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Curves that stand on the ground in a ring, some of them bent. */
+/** Curves on the ground in a ring, some of them bent. */
 std::string tuft(const std::string& material, const std::string& type) {
   std::string text = material + "\n";
   for (int i = 0; i < 9; ++i) {

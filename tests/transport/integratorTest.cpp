@@ -25,10 +25,10 @@ std::string furnace(const std::string& material, double emitted) {
 
 constexpr const char* PHOTONS = SANITIZED ? "50000" : "200000";
 
-/** Paths from both ends are connected. */
+/** Whether paths from both ends are connected. */
 bool connects(const Way& way) { return integratorFrom(way.integrator, way.parameters)->splats(); }
 
-/** Photons and connections leave the eye's side little noise. */
+/** Number of samples: photons and connections leave little noise to camera paths. */
 int furnaceSamples(const Way& way) { return samples(readsPhotons(way) || connects(way) ? 4 : 128); }
 
 /** A floor of reflectance 0.5 that fills the view, with its light somewhere above. */
@@ -59,7 +59,7 @@ TEST(Furnace, EveryIntegratorAndDiffuseAlbedo) {
 }
 
 TEST(Furnace, MirrorsAndMixes) {
-  // From the centre every reflection is at normal incidence, where a conductor's reflectance is the
+  // Every reflection of a ray from the centre is at normal incidence, where a conductor's reflectance is the
   // parameter.
   struct Case {
     std::string material;
@@ -72,7 +72,8 @@ TEST(Furnace, MirrorsAndMixes) {
        "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"
        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25",
        0.35},
-      // At reflectance 0.9999 a conductor reflects that much or more at every angle.
+      // A conductor with reflectance 0.9999 at normal incidence reflects at least this fraction at every
+      // angle.
       {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
        "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [.9999 .9999 .9999]\n"
        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .4",
@@ -107,7 +108,7 @@ TEST(Furnace, GlassInUniformLightIsInvisible) {
 TEST(DirectLight, IrradianceInClosedForm) {
   struct Case {
     std::string light;
-    double irradiance; ///< at the origin
+    double irradiance; ///< irradiance at the origin
   };
   const double disk = 0.3, height = 1.5; // E = π L r² / (r² + h²) under the centre of a parallel disc
   const std::vector<Case> cases = {
@@ -138,7 +139,7 @@ TEST(DirectLight, IrradianceInClosedForm) {
   for (const Case& c : cases) {
     const auto scene = sceneFrom(floorUnder("Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" + c.light));
     for (const Way& way : dealt(quickWays(SANITIZED ? "100000" : "200000"), scenes++)) {
-      // The disc of the photon search must lie within the part where the light is even.
+      // The disc of the photon search must be inside of the region of uniform light.
       const std::string more = readsPhotons(way) ? " \"float radius\" .1" : "";
       const Rendered r = renderScene(*scene, way.integrator, way.parameters + more, samples(64));
       const double expected = 0.5 * c.irradiance / M_PI;
@@ -150,7 +151,7 @@ TEST(DirectLight, IrradianceInClosedForm) {
 }
 
 TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
-  // Photons at random places of a plane, with flux that makes an irradiance of 3, over many maps.
+  // Photons at random points of a plane, with flux for an irradiance of 3, over many maps.
   const double irradiance = 3, side = 2;
   const int photons = 2000, maps = SANITIZED ? 100 : 400;
   Diagnostics diagnostics;
@@ -254,15 +255,15 @@ TEST(Integrators, AgreeOnGlassAndMirror) {
   const Rendered truth = renderScene(*scene, "path", "", samples(1024));
   for (const Way& way : dealt(allWays(SANITIZED ? "100000" : "400000"), 0)) {
     if (way.integrator == "path") continue;
-    const Rendered r =
-        renderScene(*scene, way.integrator, way.parameters, 16); // for sanitizers too: the lamp's edges
+    const Rendered r = renderScene(*scene, way.integrator, way.parameters,
+                                   16); // 16 for sanitizers too, because of the noise at the lamp's edges
     const double error = std::hypot(truth.standardError(), readsPhotons(way) ? 0 : r.standardError());
     EXPECT_NEAR(r.mean(), truth.mean(), 4 * error + 0.02 * truth.mean()) << way.integrator << way.parameters;
   }
 }
 
 TEST(Integrators, AgreeOnALampThatShinesAhead) {
-  // The lamp lights the glass ball and the floor under it much more than the walls.
+  // The lamp illuminates the glass ball and the floor under it much more than the walls.
   std::string text = glassAndMirrorBox(32);
   const std::string radiance = "\"rgb L\" [ 25 25 25 ]";
   text.replace(text.find(radiance), radiance.size(), "\"rgb L\" [ 90 90 90 ] \"float exponent\" 6");
@@ -284,7 +285,7 @@ TEST(Integrators, FinalGathersShareIrradiance) {
         " \"bool shareirradiance\" ";
     const Rendered own = renderScene(*scene, "photonmap", parameters + "false", 4);
     const Rendered shared = renderScene(*scene, "photonmap", parameters + "true", 4);
-    // The same photons and the same rays: only the places differ where photons are added up.
+    // Photons and rays are the same; only the points at which irradiance is estimated differ.
     EXPECT_NEAR(shared.mean(), own.mean(), 0.005 * own.mean());
     EXPECT_NE(shared.mean(), own.mean());
     EXPECT_LT(3 * shared.statistics.counts.gathers, 2 * own.statistics.counts.gathers);
@@ -336,7 +337,8 @@ TEST(Integrators, DepthLimitCutsAndSaysHowMuch) {
     EXPECT_GT(r.statistics.counts.truncatedThroughput, 0);
   }
   EXPECT_EQ(renderScene(*scene, "path", "", 1).statistics.counts.truncatedThroughput, 0);
-  // Of camera paths only: neither the flux of photons nor that of light subpaths is part of the sum.
+  // Lost weight counts camera paths only: neither the flux of photons nor that of light subpaths is part of
+  // the sum.
   for (const char* integrator : {"photonmap", "lightpath", "bdpt", "vcm"}) {
     const Rendered r = renderScene(*scene, integrator, "\"integer maxdepth\" 1", 1);
     EXPECT_LE(r.statistics.counts.truncatedThroughput, double(r.statistics.samples)) << integrator;
@@ -344,7 +346,7 @@ TEST(Integrators, DepthLimitCutsAndSaysHowMuch) {
 }
 
 TEST(Integrators, LightBetweenPerfectMirrorsEnds) {
-  // Two facing mirrors that reflect nearly all: walks are long, and end.
+  // Two parallel mirrors that reflect almost all light: walks are long, and end.
   const std::string text =
       view(4, "0 0 0  0 0 1  0 1 0", 20) +
       "Material \"conductor\" \"rgb reflectance\" [1 1 1]\nTranslate 0 0 1\nShape \"disk\" \"float radius\" "
@@ -360,7 +362,7 @@ TEST(Integrators, EmptyAndDarkScenes) {
     EXPECT_EQ(
         renderText(view(4, "0 0 4  0 0 0  0 1 0", 40) + "Shape \"sphere\"", way.integrator, way.parameters, 2)
             .mean(),
-        0); // without any lights, and all that is learned
+        0); // without lights there is nothing to learn
     EXPECT_EQ(renderText(floorUnder(""), way.integrator, way.parameters, 2).mean(), 0);
     EXPECT_EQ(renderText(floorUnder("LightSource \"point\" \"rgb I\" [0 0 0] \"point3 from\" [0 0 1]"),
                          way.integrator, way.parameters, 2)
@@ -383,7 +385,7 @@ TEST(Integrators, WarnOfFewPhotonsWhereTheyAreWanted) {
       if (w.find("were stored on surfaces: paths sample") != std::string::npos) return true;
     return false;
   };
-  EXPECT_TRUE(warns("all")); // nothing is met after the floor
+  EXPECT_TRUE(warns("all")); // there is nothing to hit after the floor
   EXPECT_FALSE(warns("LDE"));
 }
 
@@ -424,7 +426,7 @@ TEST(Integrators, DomainsAreDisjointAndCoverSurfacePaths) {
   }
 }
 
-/** The independent reference pictures, where they are at hand: means only, with few samples. */
+/** Independent reference pictures, if they exist: means only, with few samples. */
 TEST(References, MeansAgree) {
   namespace fs = std::filesystem;
   const char* environment = std::getenv("RECURSE_SHARED");
@@ -434,7 +436,7 @@ TEST(References, MeansAgree) {
   if (SANITIZED) GTEST_SKIP() << "takes too long with sanitizers";
   struct Case {
     const char* name;
-    int pathSamples; ///< 0: out of a path tracer's reach in a test
+    int pathSamples; ///< 0: too noisy for a path tracer in a test
   };
   for (const Case& c : {Case{"cornell", 4}, Case{"cornell-glass", 16}, Case{"hexroom-grey", 8},
                         Case{"sds", 0}, Case{"ajar", 0}}) {
@@ -452,8 +454,8 @@ TEST(References, MeansAgree) {
       const Rendered r = renderScene(*scene, "path", "", c.pathSamples);
       EXPECT_NEAR(r.mean(), mean, 0.01 * mean + 4 * r.standardError()) << c.name << " path";
     }
-    // Few photons of a map may come through a door, all pixels together: only independent maps tell the
-    // error.
+    // Few photons of a map may pass a door, which all pixels share: only the variance between independent
+    // maps measures this error.
     constexpr int MAPS = 5;
     double sum = 0, squares = 0;
     for (int seed = 1; seed <= MAPS; ++seed) {

@@ -1,5 +1,5 @@
 /** @file
- * Statistics of kernel radii: ratios to the width of a pixel that are known.
+ * Statistics of kernel radii: known ratios to the width of a pixel.
  */
 #include "rendering.h"
 
@@ -8,9 +8,9 @@ using namespace recurse::testing;
 
 namespace {
 
-constexpr double RADIUS = 0.6, PIXEL = 2.0 / 16; ///< the width that an orthographic camera gives a pixel
+constexpr double RADIUS = 0.6, PIXEL = 2.0 / 16; ///< width of a pixel of the orthographic camera
 
-/** A floor seen from above, and a wall that lights it. */
+/** A floor seen from above, and a wall that reflects light onto it. */
 std::string floorFromAbove() {
   return view(16, 16, "0 0 5  0 0 0  0 1 0", "Camera \"orthographic\"") + R"(
 Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]

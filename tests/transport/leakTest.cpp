@@ -1,6 +1,6 @@
 /** @file
- * Light that photons must not carry through thin things: the outside of a lamp's shade, the dark side of a
- * wall without thickness, the floor under a table and the table from below, against path tracing.
+ * Light leaks of photon maps through thin objects, against path tracing: the outside of a lamp's shade, the
+ * dark side of a wall without thickness, the floor under a table, and the underside of the table.
  */
 #include "rendering.h"
 
@@ -9,7 +9,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** A room that a wall divides but for a door, with a lamp in a shade above a table. */
+/** A room with a wall that has a door, and with a lamp in a shade above a table. */
 const std::string ROOM = R"(
 Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
 Shape "box" "point3 p1" [ -2 0 -2 ] "point3 p2" [ 2 2.6 2 ]
@@ -34,8 +34,8 @@ struct Mask {
 class Leaks : public ::testing::TestWithParam<Mask> {};
 
 TEST_P(Leaks, AreNone) {
-  constexpr double SURE = 0.02; // of the light there
-  constexpr double KNOWN = 0.1; // leaks through shades were more than that
+  constexpr double SURE = 0.02; // standard error relative to the mean
+  constexpr double KNOWN = 0.1; // bound below the leaks through shades of earlier estimators
   const auto scene = sceneFrom(view(48, GetParam().lookAt, GetParam().fov) + ROOM);
   const Rendered truth = renderScene(*scene, "path", "", samples(GetParam().pathSamples));
   std::vector<double> means;
@@ -45,7 +45,7 @@ TEST_P(Leaks, AreNone) {
   const Mean found(means);
   const double error = std::hypot(found.error, truth.standardError());
   EXPECT_NEAR(found.value, truth.mean(), SURE * truth.mean() + 4 * error);
-  if (SANITIZED) return; // so few samples do not give the truth
+  if (SANITIZED) return; // too few samples for a reference
   EXPECT_LT(4 * error, KNOWN * truth.mean());
 }
 
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(All, Leaks,
                                            Mask{"table", "0 .3 -1.2  -.9 .7 -1.2  0 1 0", 14, 128}),
                          [](const auto& info) { return info.param.name; });
 
-/** A lid, evenly lit, over lamps whose light leaves through the bottom of the same thin box. */
+/** A uniformly lit lid over lamps in the same thin box, whose light leaves through the bottom. */
 const std::string LID = view(48, "0 2.2 0  0 1.2 0  0 0 1", 26) + R"(
 Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
@@ -81,14 +81,15 @@ TEST(ThinLayers, AreNotMixed) {
   }
   const Mean found(means);
   EXPECT_NEAR(found.value, truth.mean(), 4 * std::hypot(found.error, truth.standardError()));
-  if (SANITIZED) return; // with so few samples single pixels are too noisy
+  if (SANITIZED) return; // single pixels are too noisy with few samples
   const auto [darkest, brightest] = std::minmax_element(pixels.begin(), pixels.end());
   EXPECT_GT(*darkest, 0.8 * found.value);
   EXPECT_LT(*brightest, 1.25 * found.value);
 }
 
 TEST(ThinLayers, BothSidesOfASheetShowTheShadowsOnIt) {
-  // The lamp is behind the sheet, in glass: photons alone bring its light. Bars leave columns 24 to 38 lit.
+  // The lamp is behind the sheet, in glass: only photons carry its light. Between the shadows of bars,
+  // columns 24 to 38 are lit.
   const auto scene = sceneFrom(view(48, "0 .5 -2  0 .5 0  0 1 0", 26) + R"(
 Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "bilinearmesh" "point3 P" [ -2 -1 -2.5  2 -1 -2.5  -2 -1 2.5  2 -1 2.5 ]

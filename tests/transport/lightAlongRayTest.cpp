@@ -1,5 +1,5 @@
 /** @file
- * Where light is looked for along rays through media: densities against what they sample, the light of lamps
+ * Sampling of light along rays through media: densities against sampled distances, and the light of lamps
  * against its integral along the ray.
  */
 #include "transport/direct/lightAlongRay.h"
@@ -10,8 +10,8 @@ using namespace recurse::testing;
 
 namespace {
 
-/** The part of [0, end] before each of several distances must be that of samples: `sampleAt(i)` is called
- * with numbers of samples. */
+/** Expects that the density is that of the samples `sampleAt(i)`, by their fractions in equal parts of [0,
+ * end]. */
 template <class Distance, class SampleAt>
 void expectDensityOfSamples(const Distance& distance, float end, SampleAt&& sampleAt,
                             const std::string& what) {
@@ -48,7 +48,7 @@ TEST(LightAlongRay, DistancesFollowTheirDensities) {
     const TransmittanceDistance open({0.3f, 0, 2}, end);
     expectDensityOfSamples(
         open, end, [&](int) { return open.sample(sampler.next1D(), sampler.next1D()); }, "transmittance");
-    // Before the ray's start, beside it, and behind its end.
+    // Lamps before the start of the ray, beside it, and behind its end.
     for (const Vec3f& lamp : {Vec3f(0.1f, 0, -0.3f), Vec3f(0, 0.05f, 0.25f), Vec3f(1, 1, 12)}) {
       const EquiangularDistance near({Vec3f(0), Vec3f(0, 0, 1)}, end, lamp);
       ASSERT_TRUE(near.usable());
@@ -64,9 +64,9 @@ TEST(LightAlongRay, DistancesFollowTheirDensities) {
 TEST(LightAlongRay, IsTheLightOfLampsWithLittleVariance) {
   struct Case {
     std::string lamp;
-    double variance; ///< relative, of one sample: what can be asked for
+    double variance; ///< upper bound of the relative variance of one sample
   };
-  // By transmittance alone the lamps near the ray have a relative variance of 30 and more.
+  // With sampling by transmittance alone, lamps near the ray have a relative variance of 30 and more.
   const std::vector<Case> cases = {
       {"LightSource \"point\" \"point3 from\" [.05 0 3]", 0.05},
       {"LightSource \"spot\" \"point3 from\" [1 0 8] \"point3 to\" [0 0 4] \"float coneangle\" 10", 0.05},
@@ -105,7 +105,8 @@ TEST(LightAlongRay, IsTheLightOfLampsWithLittleVariance) {
 }
 
 TEST(LightAlongRay, SeveralRaysFindTheSameLightOfAShaftWithLessVariance) {
-  // Seen by the lamps: a tenth of the ray. The panel's light is that of one ray however many the others have.
+  // The lamps light a tenth of the ray. The panel always gets one ray, whatever the number for the delta
+  // lights.
   const std::string panel = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [.5 .5 .5]\nTranslate 0 3 "
                             "4\nShape \"sphere\" \"float radius\" .5\nAttributeEnd\n";
   const std::string sun = "LightSource \"distant\" \"point3 from\" [1 1 0]\n";
@@ -113,9 +114,9 @@ TEST(LightAlongRay, SeveralRaysFindTheSameLightOfAShaftWithLessVariance) {
   const float end = 10, shaftBegin = 4, shaftEnd = 5;
   struct Case {
     std::string lamps;
-    double gain; ///< at least, of variance by four rays in the place of one
+    double gain; ///< lower bound of the ratio of variances, one ray over four rays
   };
-  // Rays that know nothing of each other gain a factor of four.
+  // Independent rays would gain a factor of four.
   for (const Case& c : {Case{sun, 4.5}, Case{spot, 3}, Case{sun + panel, 1}, Case{panel, 0.8}}) {
     const auto scene = sceneFrom(fogWith(c.lamps));
     const Medium& medium = *scene->medium(scene->cameraMedium());
@@ -144,7 +145,7 @@ TEST(LightAlongRay, SeveralRaysFindTheSameLightOfAShaftWithLessVariance) {
 }
 
 TEST(LightAlongRay, RaysPastALampOrOntoItHaveLittleVariance) {
-  // A square lamp, .02 wide, three units away along the ray, which grazes it or ends on it.
+  // A square lamp of side .02, three units away along the ray, which grazes it or ends on it.
   constexpr double SIDE = 0.02, AWAY = 3, GAP = 1e-3;
   struct Case {
     std::string what, corners;
@@ -168,14 +169,16 @@ TEST(LightAlongRay, RaysPastALampOrOntoItHaveLittleVariance) {
        static_cast<float>(AWAY)},
   };
   for (const Case& c : cases) {
-    const auto scene = sceneFrom(
-        fogWith("AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nShape \"trianglemesh\" "
-                "\"integer indices\" [0 1 2 0 2 3] \"point3 P\" [" +
-                c.corners + "]\nAttributeEnd\nShape \"sphere\" \"float radius\" 20\n")); // keeps the origin
+    const auto scene = sceneFrom(fogWith(
+        "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nShape \"trianglemesh\" "
+        "\"integer indices\" [0 1 2 0 2 3] \"point3 P\" [" +
+        c.corners + "]\nAttributeEnd\nShape \"sphere\" \"float radius\" 20\n")); // the sphere keeps the
+                                                                                 // scene's origin in place
     const Medium& medium = *scene->medium(scene->cameraMedium());
     const Ray ray{Vec3f(0), Vec3f(0, 0, 1)};
     const Rgb extinction = medium.at(ray.origin).extinction();
-    // By points of the lamp, and distances along the ray by even angles about each.
+    // Reference by quadrature over points of the lamp, and over distances along the ray at equal angles from
+    // each point.
     double truth = 0;
     constexpr int POINTS = 100, ANGLES = 200;
     for (int i = 0; i < POINTS * POINTS; ++i) {

@@ -1,6 +1,6 @@
 /** @file
- * Records of light paths: they are those of the pass that the map is from, whole and in order, and recording
- * changes nothing.
+ * Records of light paths: complete paths of the pass that made the map, in order, and recording changes no
+ * result.
  */
 #include "rendering.h"
 
@@ -18,7 +18,7 @@ using namespace recurse::testing;
 constexpr int LIGHT_PATH_SIZE = 12;
 constexpr uint64_t ALL_LIGHT_PATHS = 1000000;
 
-/** Integrators that follow light paths and keep their vertices. */
+/** Integrators that trace light paths and store their vertices. */
 std::vector<Way> lightPathWays() {
   return {{"photonmap", "\"integer photons\" 1500"},
           {"photonmap", "\"integer photons\" 1500 \"integer passes\" 1"},
@@ -62,7 +62,7 @@ TEST(LightPathRecorder, StoredVerticesAreThePhotonsOfTheMap) {
     std::map<PhotonKey, int> counts;
     for (const StoredPhoton& p : pass.photons()) ++counts[keyOf(p.position, p.power, p.state)];
     EXPECT_GT(counts.size(), 50u);
-    // Fluxes are scaled in a different order, so that only the last bits may differ.
+    // Fluxes are scaled in a different order, so that the last bits may differ.
     size_t stored = 0, same = 0;
     for (const RecordedLightVertex& v : pass.record.vertices()) {
       if (!v.stored) continue;
@@ -152,7 +152,7 @@ TEST(PhotonBoxes, ContainThePhotonsOfTheirMap) {
     for (const StoredPhoton& p : stored)
       for (const PhotonBox& root : roots)
         inside += root.caustic == p.caustic && root.box.contains(p.position);
-    if (way.integrator != "vcm") { // vcm keeps no photons straight from lights
+    if (way.integrator != "vcm") { // vcm stores no photons with direct light
       EXPECT_EQ(photons, stored.size());
     }
     EXPECT_GE(inside, photons);
@@ -162,7 +162,7 @@ TEST(PhotonBoxes, ContainThePhotonsOfTheirMap) {
 
 TEST(PhotonPaths, AreThoseOfThePhotonsInEachMap) {
   const auto scene = sceneFrom(glassAndMirrorBox(LIGHT_PATH_SIZE, 1.2));
-  // Classes of light at the last surface, each with many photons where a map has them at all.
+  // Classes by the last surface, each with many photons if a map contains it.
   const PathClasses classes({{"direct", "LDE"},
                              {"caustic", "LS+DE"},
                              {"indirect", "L(S|D)*DDE"},
@@ -171,13 +171,13 @@ TEST(PhotonPaths, AreThoseOfThePhotonsInEachMap) {
   const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
   for (const auto& entry : plugIns().integrators.entries())
     for (std::string parameters : entry.examples) {
-      // The default numbers take seconds.
+      // The default numbers would take seconds.
       for (const auto& [name, few] : {std::pair{"photons", "10000"}, {"rays", "20000"}})
         if (hasParameter(entry.name, name) && parameters.find(name + std::string("\"")) == std::string::npos)
           parameters += " \"integer " + std::string(name) + "\" " + few;
       if (hasParameter(entry.name, "photons") && hasParameter(entry.name, "passes") &&
           parameters.find("passes\"") == std::string::npos)
-        parameters += " \"integer passes\" 0"; // without which a progressive render ignores "photons"
+        parameters += " \"integer passes\" 0"; // otherwise a progressive render ignores "photons"
       SCOPED_TRACE(entry.name + " " + parameters);
       const auto integrator = integratorFrom(entry.name, parameters);
       integrator->prepare(*scene, classes);

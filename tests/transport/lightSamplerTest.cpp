@@ -1,6 +1,6 @@
 /** @file
- * Lights chosen by what photons tell: probabilities against each other and against visibility, shadow rays
- * against those without a guide.
+ * Light selection learned from photons: probabilities against each other and against visibility, shadow rays
+ * against selection without a guide.
  */
 #include <map>
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr int ROOMS = 40;
 
-/** Closed rooms in a row, each with its lamp. */
+/** Closed rooms in a row, each with a lamp. */
 std::string rooms() {
   std::string s = view(16, ".1 .5 .5  1 .5 .2  0 0 1", 70);
   s += "Material \"diffuse\" \"rgb reflectance\" [.6 .6 .6]\n";
@@ -31,7 +31,7 @@ std::string rooms() {
   return s;
 }
 
-/** Every kind of light, one without power among them, over and beyond a curtain that light goes through. */
+/** Every kind of light, including one without power, above and beyond a translucent curtain. */
 std::string yard() {
   std::string s = view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
     LightSource "infinite" "rgb L" [.1 .1 .2]
@@ -46,7 +46,7 @@ std::string yard() {
   )";
   for (int i = 0; i < 7; ++i)
     s += "LightSource \"point\" \"point3 from\" [" + std::to_string(i - 3) + " .5 1] \"rgb I\" [1 1 1]\n";
-  // Two at the same place.
+  // Two lamps at the same position.
   for (int i = 0; i < 2; ++i) s += "LightSource \"point\" \"point3 from\" [0 -1 .5] \"rgb I\" [1 1 1]\n";
   s += "AreaLightSource \"diffuse\" \"rgb L\" [5 5 5] Translate 1 1 1 Shape \"sphere\" \"float radius\" .2\n";
   return s;
@@ -59,7 +59,7 @@ LightSampler learned(const Scene& scene, int threads = 0) {
   return guide;
 }
 
-/** Calls `visit(place, sampler)` for random places around the scene, and a few far away. */
+/** Calls `visit(context, sampler)` for random points around the scene, and a few far away. */
 template <class Visit> void visitPlaces(const Scene& scene, const LightSampler& guide, const Visit& visit) {
   for (uint32_t i = 0; i < 200; ++i) {
     Sampler sampler(1, 2, i);
@@ -70,7 +70,8 @@ template <class Visit> void visitPlaces(const Scene& scene, const LightSampler& 
   }
 }
 
-/** What one shadow ray brings, again and again, at places that the eye sees. */
+/** Mean and variance of direct light by one shadow ray, at visible points and at points one bounce
+ * further. */
 struct Shadows {
   double mean = 0, variance = 0;
 };
@@ -87,7 +88,7 @@ Shadows shadowRays(const Scene& scene, const LightSampler& guide, int rays) {
     Ray ray = *scene.camera().sampleRay({where.next2D() * 16.0f});
     Hit hit;
     if (!intersect(scene, ray, hit, counts)) continue;
-    if (i % 2) { // the surface that is seen from there
+    if (i % 2) { // next surface along a random direction
       const Vec3f& n = hit.point.geometricNormal;
       const Frame frame(glm::dot(n, ray.direction) < 0 ? n : -n);
       ray = spawn(hit.point, frame.toWorld(cosineHemisphere(where.next2D())));
@@ -118,7 +119,8 @@ Shadows shadowRays(const Scene& scene, const LightSampler& guide, int rays) {
 } // namespace
 
 TEST(LightSampler, ALampIsFoundInARoomUnderABrightSky) {
-  // Nearly all photons are the sky's and come down outside, half of those that face one way in one plane.
+  // Nearly all photons come from the sky and hit surfaces outside; half of the photons with one direction of
+  // the normal are in one plane.
   const auto scene = sceneFrom(view(96, ".1 .5 .5  1 .5 .2  0 0 1", 70) + R"(
     LightSource "infinite" "rgb L" [10 10 10]
     LightSource "point" "point3 from" [.8 .5 .8] "rgb I" [.05 .05 .05]
@@ -146,7 +148,7 @@ TEST(LightSampler, ProbabilitiesSumToOne) {
       for (uint32_t i = 0; i < lights.size(); ++i) {
         const float p = guide.probability(lights, place, i);
         sum += double(p);
-        ASSERT_EQ(p > 0, lights.probability(i) > 0) << i; // and so no light is left out
+        ASSERT_EQ(p > 0, lights.probability(i) > 0) << i; // every light with power can be selected
       }
       ASSERT_NEAR(sum, 1, 1e-5);
     });
@@ -171,7 +173,7 @@ TEST(LightSampler, LightsAreChosenByTheirProbabilities) {
       const double n = double(guide.probability(lights, place, i)) * N;
       ASSERT_NEAR(chosen[&lights[i]], n, 2) << i;
       if (n <= 100) continue;
-      ASSERT_NEAR(rest[&lights[i]] / n, 0.5, 0.02); // what is left over is uniform
+      ASSERT_NEAR(rest[&lights[i]] / n, 0.5, 0.02); // the remaining random number is uniform
     }
   });
 }
@@ -212,7 +214,7 @@ TEST(LightSampler, WhatLearningTookIsTold) {
     const auto pass = [&] {
       return integrator->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays;
     };
-    const uint64_t first = pass(), second = pass(); // which has nothing to learn
+    const uint64_t first = pass(), second = pass(); // the second pass has nothing to learn
     return first - second;
   };
   EXPECT_EQ(raysOfFirstPass("path", ""), learning);
@@ -249,7 +251,7 @@ TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
   }
 }
 
-/** Of many lamps behind walls the one that shines here is chosen: the same light with less noise. */
+/** Of many lamps behind walls the sampler selects the visible one: the mean is the same with less noise. */
 TEST(LightSampler, LampsBehindWallsAreLeftAlone) {
   const auto scene = sceneFrom(rooms());
   const int rays = SANITIZED ? 2000 : 10000;

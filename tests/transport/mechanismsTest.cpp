@@ -1,5 +1,5 @@
 /** @file
- * Mechanisms of photonmap that a study leaves out: the light stays the same, only its noise does not.
+ * Mechanisms of photonmap that a study disables: only the noise changes, not the mean.
  */
 #include "rendering.h"
 #include "roomWithHole.h"
@@ -11,7 +11,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Light of the picture with photons enough for them to be learned from. */
+/** Picture without the mechanism, with enough photons to learn from. */
 Rendered without(const std::string& scene, const std::string& mechanism, int photons, int samples) {
   return renderText(scene, "sppm",
                     "\"integer photonsperiteration\" " + std::to_string(photons) + " \"string without\" \"" +
@@ -19,10 +19,10 @@ Rendered without(const std::string& scene, const std::string& mechanism, int pho
                     samples);
 }
 
-/** The scene with each of the mechanisms left out: the same light by other samples. */
+/** Expects the same mean without each of the mechanisms. */
 void expectSameLight(const std::string& scene, const std::vector<std::string>& mechanisms, int photons,
                      int samples) {
-  constexpr double BIAS = 0.01; // of kernels
+  constexpr double BIAS = 0.01; // bias of density estimates
   const Rendered all = without(scene, "nothing", photons, samples);
   for (const std::string& mechanism : mechanisms) {
     const Rendered less = without(scene, mechanism, photons, samples);
@@ -45,5 +45,5 @@ TEST(Mechanisms, ARoomLitThroughAHoleHasTheSameLightWithoutThem) {
 TEST(Mechanisms, OpeningsForShadowRaysAreNotLookedForWhereTheyAreLeftOut) {
   const auto scene = sceneFrom(roomWithHole(12));
   EXPECT_GT(LightSampler().learn(*scene).rays, 0u);
-  EXPECT_EQ(LightSampler().learn(*scene, false).rays, 0u); // there is one light
+  EXPECT_EQ(LightSampler().learn(*scene, false).rays, 0u); // nothing to learn with a single light
 }

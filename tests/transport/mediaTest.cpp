@@ -11,11 +11,11 @@ using namespace recurse::testing;
 
 namespace {
 
-/** A box whose surface only bounds a medium, z from 0 to 1. */
+/** A box whose surface is only a boundary of the medium, z from 0 to 1. */
 const std::string MEDIUM_BOX =
     "Material \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 1]\n";
 
-/** Sees along the z axis from before the box, over a hair of an angle. */
+/** View along the z axis from outside of the box, with a tiny field of view. */
 std::string throughTheBox(const std::string& medium, const std::string& rest) {
   return view(2, "0 0 -1  0 0 1  0 1 0", 0.1) + "MakeNamedMedium \"m\" " + medium +
          "\nAttributeBegin\nMediumInterface \"m\" \"\"\n" + MEDIUM_BOX + "AttributeEnd\n" + rest;
@@ -43,7 +43,8 @@ TEST(PhaseFunctions, AreDensitiesThatTheySample) {
       const auto phase = entry.make(
           bindParameters(parseParameterText(entry.name, example), entry.parameters, diagnostics, false), {});
       const std::string name = entry.name + " " + example;
-      // The cumulative distribution at sampled cosines must be uniform: compare moments, and it with u.
+      // The cumulative distribution at sampled cosines must be uniform: compares its moments and its
+      // correlation with u.
       constexpr int N = 200000;
       double integral = 0, mean = 0;
       for (int i = 0; i < N; ++i) { // in the angle, where peaks are wide
@@ -87,7 +88,7 @@ TEST(Media, TransmittanceByChannel) {
                     EVEN_SKY),
       "path", "", samples(16384));
   expectColour(meanOfMedium(homogeneous), exp(-sigma), 0.012, "homogeneous");
-  // One cell: along its middle the density rises from a half to 1 and falls again, 3/4 in the mean.
+  // One cell: along its middle the density rises from a half to 1 and falls again, with the mean 3/4.
   const Rendered grid = renderText(
       throughTheBox(
           "\"string type\" \"uniformgrid\" \"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"rgb sigma_a\" "
@@ -110,7 +111,7 @@ TEST(Media, AbsorptionAndEmissionAloneHaveNoVariance) {
 }
 
 TEST(Media, AbsorptionOfAGridIsExpectedAtEachStep) {
-  // One cell: along its middle the density rises from a half to 1 and falls again, 3/4 in the mean.
+  // One cell: along its middle the density rises from a half to 1 and falls again, with the mean 3/4.
   const Rendered r = renderText(
       throughTheBox("\"string type\" \"uniformgrid\" \"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"rgb "
                     "sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0] \"float density\" 2",
@@ -118,13 +119,13 @@ TEST(Media, AbsorptionOfAGridIsExpectedAtEachStep) {
       "path", "", samples(1024));
   const double expected = std::exp(-1.5);
   EXPECT_NEAR(r.mean(), expected, 4.5 * r.standardError());
-  // Of paths that go on or end: expected * (1 - expected).
+  // If absorption were a random event, the variance would be expected * (1 - expected).
   const double variance = square(r.standardError()) * double(r.pixels()) * samples(1024);
   EXPECT_LT(variance, 0.75 * expected * (1 - expected));
 }
 
 TEST(Media, LampsInGlassAreNoMatterOfChanceBehindFog) {
-  // Seen in a pane of .04 through five units of a medium that only absorbs.
+  // Reflection of a lamp in a pane of reflectance .04, through five units of a medium that only absorbs.
   const Rendered r = renderText(
       "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.4 .4 .4] \"rgb sigma_s\" [0 0 "
       "0]\nMediumInterface \"\" \"m\"\n" +
@@ -133,12 +134,12 @@ TEST(Media, LampsInGlassAreNoMatterOfChanceBehindFog) {
           "L\" [1 1 1]\nShape \"disk\" \"float radius\" 9\nAttributeEnd\nTranslate 0 0 1\nMaterial "
           "\"dielectric\" \"float eta\" 1.5\nShape \"disk\" \"float radius\" 9\n",
       "photonmap", "", 2);
-  const double image = 0.04 * std::exp(-2.0); // and what the lamp reflects again: a hundredth
+  const double image = 0.04 * std::exp(-2.0); // interreflection with the lamp adds a hundredth
   for (size_t i = 0; i < r.pixels(); ++i) EXPECT_NEAR(r.luminanceAt(i), image, 0.05 * image);
 }
 
 TEST(Media, ChannelsMayOnlyAbsorbBesideOthersThatScatter) {
-  // All is as hot as the walls: 1 everywhere, and black where nothing comes through.
+  // Medium and walls have one temperature: 1 everywhere, and black in the channel without transmission.
   const auto inside = [](const std::string& medium, const std::string& wall) {
     return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + medium +
            "\nMediumInterface \"\" \"m\"\n" + view(4, "0 0 0  0 0 1  0 1 0", 90) +
@@ -156,7 +157,7 @@ TEST(Media, ChannelsMayOnlyAbsorbBesideOthersThatScatter) {
 }
 
 TEST(Media, SingleScatteringOfParallelLight) {
-  // Along the ray through the middle, at depth h below the side that light comes in by.
+  // Along the ray through the middle, at depth h below the lit side.
   const double h = 2, e = 3;
   const Rgbd absorption(0.1, 0.2, 0.6), scattering(0.4, 0.3, 0.2), extinction = absorption + scattering;
   const Rgbd expected =
@@ -177,7 +178,7 @@ TEST(Media, SingleScatteringOfParallelLight) {
 }
 
 TEST(Media, WhiteFurnace) {
-  // What absorbs nothing, under a sky of 1, is 1 everywhere, however it scatters.
+  // In a sky of 1, a medium without absorption has the radiance 1 everywhere, whatever its scattering.
   const std::string grid =
       "\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 "
       "\"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"float density\" [0 5 1 0 3 0 0 2] ";
@@ -194,9 +195,9 @@ TEST(Media, WhiteFurnace) {
 }
 
 TEST(Media, MatterTooDenseForPositionsLooksLikeOtherDenseMatter) {
-  // In one channel light that goes in could not come out again in single precision. As many events return the
-  // same part from any depth that has no other end; of all events it would be all, by ever rarer, longer
-  // walks.
+  // In one channel light that enters the medium could not leave it in single precision. With a limited number
+  // of events, the reflectance does not depend on the density if the medium is deep; with unlimited events
+  // all light would return, by ever rarer and longer walks.
   const auto seen = [](const std::string& density) {
     const std::string medium =
         "\"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [" + density + " 1 1]";
@@ -227,7 +228,7 @@ TEST(Media, IsothermalEnclosure) {
 }
 
 TEST(Media, MirrorsTurnQuadricsInsideOutAsInPbrt) {
-  // Outside the medium has no end, and no light of the sky comes through.
+  // The medium outside has no boundary, so no light of the sky passes.
   const std::string ball = "Shape \"sphere\"", drum =
                                                    "Shape \"cylinder\" \"float radius\" 2\n"
                                                    "Shape \"disk\" \"float radius\" 2 \"float height\" 1\n"
@@ -248,7 +249,7 @@ TEST(Media, MirrorsTurnQuadricsInsideOutAsInPbrt) {
     EXPECT_EQ(seen(mirror), 0) << shape;
     EXPECT_NEAR(seen(mirror + turn), std::exp(-2.0), 1e-5) << shape;
   }
-  // Lamps shine where they did.
+  // The emitting side of lamps stays the same.
   const Rendered lamp = renderText(view(2, "0 0 -3  0 0 1  0 1 0", 0.01) +
                                        "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\n" + mirror + ball,
                                    "path", "", 1);
@@ -256,7 +257,7 @@ TEST(Media, MirrorsTurnQuadricsInsideOutAsInPbrt) {
 }
 
 TEST(Media, AreKeptInNestedDielectrics) {
-  // A ball of priority 1 with a medium, half of it taken by a stronger, clear one. Neither bends rays.
+  // A ball of priority 1 with a medium; a clear solid of higher priority covers half of it. Neither refracts.
   const std::string text = view(2, "0 0 -3  0 0 1  0 1 0", 0.1) +
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] "
                            "\"rgb sigma_s\" [0 0 0]\n" +
@@ -266,12 +267,12 @@ TEST(Media, AreKeptInNestedDielectrics) {
                            "Shape \"sphere\" \"float radius\" 1\nAttributeEnd\n"
                            "AttributeBegin\nMaterial \"dielectric\" \"float eta\" 1 \"integer priority\" 2\n"
                            "Shape \"box\" \"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 2]\nAttributeEnd\n";
-  // The clear one without a word of its own is filled with what is around: nothing.
+  // The clear solid does not name a medium, so it contains the outer medium: none.
   EXPECT_NEAR(renderText(text, "simplepath", "", samples(8192)).mean(), std::exp(-1.0), 0.02);
 }
 
 TEST(Media, RaysGetPastEdges) {
-  // A light that casts its rays exactly onto the edges of a box.
+  // A light whose rays hit exactly the edges of a box.
   const Rendered r =
       renderText(view(16, "0 0 -5  0 0 0  0 1 0", 40) +
                      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb "
@@ -367,10 +368,10 @@ TEST(Media, TooMuchEmissionIsReportedAtItsParameter) {
 
 namespace {
 
-/** Absorbs a lot, and differs by colour. */
+/** Strong absorption that differs by colour. */
 const std::string FOG =
     "\"homogeneous\" \"rgb sigma_a\" [.3 .2 .1] \"rgb sigma_s\" [.2 .25 .3] \"float g\" .4";
-/** The same in wisps, of which some are clear in a colour. */
+/** Wisps of the same medium, some of which are clear in a colour. */
 const std::string WISPS =
     "\"rgbgrid\" \"integer nx\" 2 \"integer ny\" 2 \"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] "
     "\"rgb sigma_a\" [0 .2 .1  .6 0 .1  .4 .4 0  .2 .2 .3] "
@@ -404,10 +405,10 @@ Film renderMediaClasses(const Scene& scene, const std::string& integrator, const
   return renderScene(scene, *integratorFrom(integrator, parameters), classes, count, 0, threads).film;
 }
 
-/** Compares means over the pixels. */
+/** Expects the same means over the pixels for each class. */
 void expectSameByClass(const Film& film, const Film& truth, const PathClasses& classes,
                        const std::string& what) {
-  // In time for sanitizers a caustic alone is not known well enough.
+  // The few samples of sanitizers do not resolve a caustic alone.
   for (size_t layer = 0; layer < (SANITIZED ? 1 : classes.layerCount()); ++layer) {
     Rgb a(0), b(0);
     for (size_t i = 0; i < film.bounds().area(); ++i) {
@@ -439,7 +440,7 @@ void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& 
 } // namespace
 
 TEST(MediaPhotons, DenseMatterIsNoDarkerThanByPaths) {
-  // Its mean free path is far below what photons are blurred over, across a surface that is seen aslant.
+  // The mean free path is far below the radius of kernels; the surface is seen at a grazing angle.
   const std::string ball =
       view(16, "0 -4 1.5  0 0 .5  0 0 1", 12) + "LightSource \"distant\" \"point3 from\" [ 3 -3 6 ]\n" +
       EVEN_SKY +
@@ -448,12 +449,13 @@ TEST(MediaPhotons, DenseMatterIsNoDarkerThanByPaths) {
       "Material \"interface\"\nShape \"sphere\" \"float radius\" .5\n";
   const Rendered paths = renderText(ball, "path", "", SANITIZED ? 4 : 256);
   const Rendered photons = renderText(ball, "photonmap", "", SANITIZED ? 1 : 16);
-  if (SANITIZED) return; // so few samples give neither mean
+  if (SANITIZED) return; // too few samples for either mean
   EXPECT_NEAR(photons.mean() / paths.mean(), 1, 0.08);
 }
 
 TEST(MediaPhotons, MatterDenseInOneChannelIsNoDarkerInThatThanByPaths) {
-  // Of the distances along a ray few are those that bring red, and luminance alone would hardly choose them.
+  // Few of the sampled distances contribute red light, and selection by luminance alone would rarely choose
+  // them.
   const std::string slab = view(16, "0 0 -1  0 0 1  0 1 0", 80) + EVEN_SKY +
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 0 0 0 ] "
                            "\"rgb sigma_s\" [ 1e4 1 1 ]\nMediumInterface \"m\" \"\"\n" +
@@ -465,7 +467,7 @@ TEST(MediaPhotons, MatterDenseInOneChannelIsNoDarkerInThatThanByPaths) {
 }
 
 TEST(MediaPhotons, AShaftOfSunlightIsAsBrightAsByPathsWithLittleVariance) {
-  // The sun shines through a slit, across the rays of all pixels.
+  // The sun shines through a slit, perpendicular to the rays of all pixels.
   const auto scene =
       sceneFrom(view(16, "0 0 -1  0 0 1  0 1 0", 0.1) +
                 "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb "
@@ -484,13 +486,13 @@ TEST(MediaPhotons, AShaftOfSunlightIsAsBrightAsByPathsWithLittleVariance) {
   };
   const Mean paths = found("path", "", 256), photons = found("photonmap", "\"integer photons\" 100", 1);
   EXPECT_NEAR(photons.value, paths.value, 4.5 * std::hypot(photons.error, paths.error));
-  // Of the light along the ray .09 is in the sun: one shadow ray would have a relative variance of 9.7, one
-  // of four in its part of the ray 1.7.
+  // The sun lights the fraction .09 of the ray: a single shadow ray would have a relative variance of 9.7,
+  // four stratified ones 1.7.
   EXPECT_LT(square(photons.error / photons.value) * 256, 4);
 }
 
 TEST(MediaPhotons, BesideASmallLampNoPixelIsBrighterThanByPaths) {
-  // A disc seen from its edge, beside a glass ball: what it lights nearby has no bound, and glass makes
+  // A disc seen edge-on, beside a glass ball: the irradiance near the disc is unbounded, and glass causes
   // caustics.
   const std::string text =
       "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] "
@@ -514,7 +516,7 @@ TEST(MediaPhotons, BesideASmallLampNoPixelIsBrighterThanByPaths) {
         renderScene(*scene, "photonmap", "\"integer photons\" 20000 \"integer passes\" 1", samples(32), seed);
     EXPECT_NEAR(r.mean() / paths.mean(), 1, 0.02 + 4.5 * paths.standardError() / paths.mean()) << seed;
     EXPECT_LT(brightest(r), 3 * brightest(paths)) << seed;
-    if (!SANITIZED) { // whose few paths have bright pixels of their own
+    if (!SANITIZED) { // the few paths of sanitizers have bright pixels of their own
       EXPECT_GT(brightest(r), brightest(paths) / 3) << seed;
     }
   }
@@ -549,7 +551,7 @@ TEST(PhotonBeams, FindWhatPointsFindClassByClass) {
 }
 
 TEST(GridPhotons, FindWhatPathFindsClassByClass) {
-  // Wisps over a floor, under an even sky, which paths find easily.
+  // Wisps over a floor under a uniform sky, whose light paths find easily.
   expectWhatPathFinds(
       view(6, "0 -3 1  0 0 -.4  0 0 1", 50) + "MakeNamedMedium \"wisps\" \"string type\" " + WISPS + "\n" +
           EVEN_SKY +
@@ -561,7 +563,7 @@ TEST(GridPhotons, FindWhatPathFindsClassByClass) {
 }
 
 TEST(GlowPhotons, FindWhatPathFindsClassByClass) {
-  // The only light: wisps that glow over a floor.
+  // The only light: emissive wisps over a floor.
   const std::string glow =
       WISPS.substr(0, WISPS.find("\"float g\"")) + "\"rgb Le\" [4 3 2  6 4 2  1 2 5  3 3 3] \"float g\" .4";
   expectWhatPathFinds(
@@ -606,7 +608,8 @@ TEST(GlowPhotons, AMediumWithoutEndIsForPaths) {
 }
 
 TEST(GlowPhotons, FindAFlameInALargeScene) {
-  // On a ground a thousand times as wide, as a shape and as a part of an object in a smaller scene.
+  // The flame is above a ground a thousand times as wide, as a shape and as a part of an object in a smaller
+  // scene.
   const double radius = 0.05, power = 4 * M_PI * 2 * 4 / 3 * M_PI * radius * radius * radius;
   const std::string medium = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] "
                              "\"rgb sigma_s\" [0 0 0] \"rgb Le\" [2 2 2]\n";
@@ -628,8 +631,8 @@ TEST(GlowPhotons, FindAFlameInALargeScene) {
 }
 
 TEST(MediaPhotons, StartInWhatIsAroundTheScene) {
-  // A room of fog, which the sky looks into; what the file says of the sky's own medium is not what rays
-  // meet.
+  // A room of fog with openings to the sky; the medium that the file gives to the sky is not the medium of
+  // its rays.
   const std::string fog = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] "
                           "\"rgb sigma_s\" [.3 .3 .3]\nMediumInterface \"\" \"m\"\n" +
                           view(8, "0 0 0  0 0 1  0 1 0", 60) + EVEN_SKY;
@@ -653,8 +656,8 @@ TEST(MediaPhotons, StartInWhatIsAroundTheScene) {
 }
 
 TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
-  // What absorbs nothing, under a sky of 1, is 1 everywhere. Along the sides of the box half of a photon's
-  // disc is outside.
+  // In a sky of 1, a medium without absorption has the radiance 1 everywhere. At the sides of the box half of
+  // a photon's disc is outside.
   const std::string box = "\"point3 p0\" [-1 -1 0] \"point3 p1\" [1 1 1] ";
   for (const std::string& medium :
        {std::string("\"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [1 1 1]"),
@@ -693,8 +696,8 @@ TEST(MediaPhotons, AreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(MediaPhotons, KeepTheirPowerWhateverTheChannels) {
-  // Where nothing is absorbed roulette ends no photon. Of the channels one may be all that is left, three
-  // times as strong, and no more after hundreds of events.
+  // Without absorption Russian roulette ends no photon. In the end all flux of a photon may be in one
+  // channel, with three times its value, and no more after hundreds of events.
   const auto scene = sceneFrom(
       view(4, "0 0 -5  0 0 0  0 1 0", 40) +
       "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [20 26 "
@@ -714,14 +717,15 @@ TEST(MediaPhotons, KeepTheirPowerWhateverTheChannels) {
 }
 
 TEST(MediaPhotons, ABeamIsFoundWithinItsDiscs) {
-  // Photons along a line, seen from across: each crossing ray gets the power of those within its disc.
+  // Photons along a line, perpendicular to rays: each ray gets the power of the photons whose discs it
+  // crosses.
   std::vector<VolumePhoton> photons;
   for (int i = 0; i < 5000; ++i)
     photons.push_back({Vec3f(float(i) / 5000, 0.001f * float(i % 7), 0.002f * float(i % 5)),
                        packDirection({1, 0, 0}), Rgb(1)});
   VolumePhotonMap map;
   map.build(photons, 1, 10);
-  // A wide plane of rays across: what each photon brings adds up to 1.
+  // Integrated over a wide plane of parallel rays, the contribution of each photon is 1.
   double sum = 0;
   constexpr int N = 400;
   for (int y = 0; y < N; ++y)
@@ -733,13 +737,13 @@ TEST(MediaPhotons, ABeamIsFoundWithinItsDiscs) {
       });
     }
   EXPECT_NEAR(sum / double(photons.size()), 1, 0.02);
-  // And beyond the end of the ray there is none.
+  // Photons beyond the end of the ray are not found.
   map.visitAlong({{.5f, 0, -3}, {0, 0, 1}}, 2.9f, [](const VolumePhoton&, float, float) { FAIL(); });
 }
 
 TEST(PhotonBeams, BringInTheMeanWhatLiesAlongThem) {
-  // Parallel beams, evenly over a square, and rays that cross them at an angle: each ray passes one over the
-  // sine of the angle in a unit of what is across both.
+  // Parallel beams, uniform over a square, and rays that cross them at an angle: the expected number of
+  // crossings is one over the sine of the angle for each unit of the perpendicular plane.
   std::vector<PhotonBeam> beams;
   constexpr int N = 40;
   for (int y = 0; y < N; ++y)
@@ -755,7 +759,7 @@ TEST(PhotonBeams, BringInTheMeanWhatLiesAlongThem) {
       int passed = 0;
       constexpr int RAYS = 2000;
       for (int i = 0; i < RAYS; ++i) {
-        // Through the middle of the square, from one side to the other.
+        // The ray crosses the middle of the square from side to side.
         const Vec3f origin = Vec3f(0, 0.3f + 0.4f * (float(i) + 0.5f) / RAYS, 0.5f) - direction * 1.9f;
         map.visitAlong({origin, direction}, 3.8f, [&](const PhotonBeam& b, float s, float t, float kernel) {
           EXPECT_LT(std::abs(b.origin.y - origin.y), 0.05f * scale);
@@ -764,18 +768,18 @@ TEST(PhotonBeams, BringInTheMeanWhatLiesAlongThem) {
           ++passed;
         });
       }
-      // N beams in a unit of height at each of N depths.
+      // N beams for each unit of height, at each of N depths.
       const double expected = double(N) * N / std::sin(double(angle));
       EXPECT_NEAR(sum / expected, 1, 0.02) << angle << " " << scale;
       EXPECT_GT(passed, 0);
     }
-    // Where the ray has ended there is none.
+    // Beams beyond the end of the ray are not found.
     map.visitAlong({{0, 0.5f, -1}, {0, 0, 1}}, 0.9f, [](const PhotonBeam&, float, float, float) { FAIL(); });
   }
 }
 
 TEST(PhotonBeams, SingleScatteringOfParallelLight) {
-  // As of path above, all of it by beams, the mean over a square window one wide.
+  // Single scattering as in the test of path, by beams alone: the mean over a square window of width 1.
   const std::string text =
       "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nLookAt 0 0 -1  0 0 1  0 1 0\n"
       "Camera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\nWorldBegin\n"

@@ -1,5 +1,5 @@
 /** @file
- * The classic methods: each computes what `path` does on exactly the paths that it claims.
+ * Classic methods: each agrees with `path` on exactly the paths that it claims.
  */
 #include "classRendering.h"
 
@@ -22,7 +22,8 @@ LightSource "point" "point3 from" [ -1 -1 1.5 ] "rgb I" [ 2 1 1 ]
 LightSource "distant" "point3 from" [ 1 -1 2 ] "point3 to" [ 0 0 0 ] "rgb L" [ .3 .5 .4 ]
 )";
 
-/** Matt walls with a smooth normal, gloss, a mirror, glass, a pane, and a surface that mirrors a part. */
+/** Matt walls with a smooth normal, gloss, a mirror, glass, a pane, and a surface with partial mirror
+ * reflection. */
 std::string corner(int size, const std::string& lights) {
   return view(size, "0 -4 1.6  0 0 .5  0 0 1", 40) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
@@ -56,7 +57,7 @@ AttributeEnd
 )" + lights;
 }
 
-/** The classes together are what the method claims, one in each layer. */
+/** Classes of paths that together are the claims of the method. */
 struct Claim {
   Way way;
   std::vector<PathClass> classes;
@@ -85,7 +86,7 @@ constexpr double ERRORS_APART = 5;
 
 void expectEqual(const Scene& scene, const Way& way, const Way& other, const PathClasses& classes,
                  const std::string& what) {
-  if (SANITIZED && way.integrator == "vpl") { // too few light paths to know how far they err
+  if (SANITIZED && way.integrator == "vpl") { // too few light paths for an estimate of the error
     classMeans(scene, way, classes, 1, 2);
     return;
   }
@@ -96,7 +97,7 @@ void expectEqual(const Scene& scene, const Way& way, const Way& other, const Pat
     EXPECT_NEAR(means.mean(i), truth.mean(i), ERRORS_APART * error + 2e-4 * truth.mean(i))
         << what << " " << classes.classes()[i / 3].name << ", errors " << means.standardError(i) << " and "
         << truth.standardError(i);
-    // Light paths that all pixels share tell less.
+    // All pixels share the light paths of vpl, so that its error is larger.
     const double vague = (SANITIZED ? 3 : 1) * (way.integrator == "vpl" ? 0.25 : 0.1);
     EXPECT_LT(error, vague * truth.mean(i) + 1e-9)
         << what << " " << classes.classes()[i / 3].name << " is too vague to tell";
@@ -111,13 +112,13 @@ TEST(Methods, ComputeWhatPathDoesOnThePathsThatTheyClaim) {
     const auto scene = sceneFrom(corner(16, lights));
     ASSERT_TRUE(scene);
     for (const Claim& claim : claimsOfMethods()) {
-      // What they claim is what is compared.
+      // The classes compared are the claims of the method.
       PathAutomaton all = PathAutomaton::compile(claim.classes.front().expression);
       for (const PathClass& c : claim.classes) all = all.unite(PathAutomaton::compile(c.expression));
       const std::string claims = integratorFrom(claim.way.integrator, claim.way.parameters)->claims();
       EXPECT_TRUE(all.equivalent(PathAutomaton::compile(claims))) << claim.way.integrator;
       const bool deep = claim.way.parameters.find("maxdepth") != std::string::npos;
-      // Light of points by way of mirrors and glass is found from the lights alone.
+      // Light of points through mirrors and glass is found by light paths only.
       const char* complete = std::string_view(name) == "spots" ? "bdpt" : "path";
       expectEqual(*scene, claim.way, {complete, deep ? "\"integer maxdepth\" 3" : ""},
                   PathClasses(claim.classes), claim.way.integrator + claim.way.parameters + " " + name);
@@ -125,7 +126,7 @@ TEST(Methods, ComputeWhatPathDoesOnThePathsThatTheyClaim) {
   }
 }
 
-/** Nothing but the claimed paths reaches the film. */
+/** Only the claimed paths reach the film. */
 TEST(Methods, AddNoOtherPaths) {
   const ThreadPool pool;
   const auto scene = sceneFrom(corner(16, LAMP));
@@ -141,8 +142,8 @@ TEST(Methods, AddNoOtherPaths) {
   }
 }
 
-/** Of light between mirrors that face each other, what is cut is what is counted: with reflectance r and
- * lamps L, the sum over n < maxdepth of L r^n is seen and r^maxdepth is cut. */
+/** Between parallel mirrors, the reported loss is equal to the lost light: with reflectance r and lamps L,
+ * the picture has the sum over n < maxdepth of L r^n and r^maxdepth is cut off. */
 TEST(Methods, WhittedCountsWhatItCuts) {
   const std::string scene = view(4, "0 0 0  0 0 1  0 1 0", 10) + R"(
 AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
@@ -150,7 +151,7 @@ Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -9 -9 1  -9 9 1  9 9 1  9 -9 1 ]
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -9 -9 -1  9 -9 -1  9 9 -1  -9 9 -1 ]
 )";
-  // The conductor's reflectance depends on the angle a little; .9 is at normal incidence.
+  // The reflectance of the conductor depends slightly on the angle; it is .9 at normal incidence.
   const auto check = [&](const std::string& parameters, int lamps, int mirrors) {
     const Rendered r = renderText(scene, "whitted", parameters, 4);
     const double seen = (1 - std::pow(.9, lamps)) / .1, cut = std::pow(.9, mirrors);
@@ -158,8 +159,8 @@ Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -9 -9 -1  9
     EXPECT_NEAR(r.statistics.counts.truncatedThroughput / double(r.statistics.samples), cut, 0.02 * cut)
         << parameters;
   };
-  check("\"integer maxdepth\" 8 \"float minweight\" 0", 9, 8);     // it ends at the ninth lamp
-  check("\"integer maxdepth\" 1000 \"float minweight\" .5", 7, 7); // .9^6 is the last above a half
+  check("\"integer maxdepth\" 8 \"float minweight\" 0", 9, 8);     // the path ends at the ninth lamp
+  check("\"integer maxdepth\" 1000 \"float minweight\" .5", 7, 7); // .9^6 is the last weight above a half
 }
 
 TEST(Methods, AmbientOcclusionIsTheLightOfAWhiteSkyOnWhiteMatter) {
@@ -176,11 +177,11 @@ Shape "sphere" "float radius" .4
   const PathClasses direct(DIRECT);
   const auto white = sceneFrom(things("LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n"));
   expectEqual(*white, {"ambientocclusion", ""}, {"path", ""}, direct, "under a sky");
-  // The scene's own light has no say.
+  // The lights of the scene have no effect.
   const auto dark = sceneFrom(things(""));
   EXPECT_EQ(renderClasses(*dark, {"ambientocclusion", ""}, direct, 4, 1).layerMeans(),
             renderClasses(*white, {"ambientocclusion", ""}, direct, 4, 1).layerMeans());
-  // Nothing is in the way of a point that looks only as far as dust.
+  // Nothing occludes a point within a tiny distance.
   const auto near = renderClasses(*dark, {"ambientocclusion", "\"float maxdistance\" 1e-4"}, direct, 16, 1);
   for (size_t p = 0; p < near.film.bounds().area(); ++p) EXPECT_GT(near.film.value(p, 0).r, 0.9f);
 }
@@ -195,8 +196,8 @@ Shape "disk" "float radius" 9
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(r.value(p)[c], Rgb(.1f, .1f, .6f)[c], 1e-6f);
 }
 
-/** Two matt walls that meet: lights bounded without compensation are too dark near the edge, and with it, or
- * without a bound, they are not. */
+/** Two matt walls at an angle: with clamped virtual lights they are too dark near the edge, with compensation
+ * or without a clamp they are not. */
 TEST(Methods, VirtualLightsAreDarkInCornersUnlessCompensated) {
   const ThreadPool pool;
   const auto scene = sceneFrom(litCorner(16));
@@ -212,7 +213,7 @@ TEST(Methods, VirtualLightsAreDarkInCornersUnlessCompensated) {
   EXPECT_LT(clamped.mean(1), 0.9 * truth.mean(1) + vague);
   for (const char* distance : {"0", ".3", "1", "3"}) {
     const BatchMeans bounded = means(std::string(" \"float clampdistance\" ") + distance);
-    if (SANITIZED) continue; // too few light paths to know how far they err
+    if (SANITIZED) continue; // too few light paths for an estimate of the error
     const double error = std::hypot(bounded.standardError(1), truth.standardError(1));
     EXPECT_NEAR(bounded.mean(1), truth.mean(1), ERRORS_APART * error) << distance;
     EXPECT_LT(error, (SANITIZED ? 0.1 : 0.03) * truth.mean(1)) << distance;

@@ -1,5 +1,5 @@
 /** @file
- * Motion against closed forms, and against pictures of moments.
+ * Motion against closed forms, and against pictures of single times.
  */
 #include "rendering.h"
 
@@ -14,11 +14,11 @@ std::string settings(const std::string& camera, int size) {
          "\nPixelFilter \"box\"\n" + camera + "\n";
 }
 
-/** Looks down the z axis at [-1, 1]², y up. */
+/** View along the z axis of [-1, 1]², y up. */
 const char* const FROM_ABOVE =
     "Scale -1 1 1 LookAt 0 0 5  0 0 0  0 1 0 Camera \"orthographic\" \"float screenwindow\" [-1 1 -1 1]";
 
-/** What shines and turns by a quarter: the half plane x > 0, as large as is seen. */
+/** Emitter that turns by a quarter: the half plane x > 0, as large as the view. */
 std::string turningHalf(const std::string& start, const std::string& end) {
   return "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
          "ActiveTransform StartTime " +
@@ -38,7 +38,7 @@ double greatestDifference(const Rendered& a, const Rendered& b) {
 } // namespace
 
 TEST(Motion, ATurningHalfPlaneBlursInProportionToTheAngle) {
-  // A place is covered while the direction of the half plane's middle is less than a right angle away.
+  // A point is covered while the axis of the half plane is less than a right angle from its direction.
   constexpr int SIZE = 8, SAMPLES = 256;
   for (const char* integrator : {"path", "photonmap"})
     for (const double scale : {1.0, 3.0}) {
@@ -65,7 +65,8 @@ TEST(Motion, ATurningHalfPlaneBlursInProportionToTheAngle) {
 }
 
 TEST(Motion, TheShutterIsOpenForAPartOfTheMotion) {
-  // From a third of the motion on to its end, in the times of TransformTimes; the picture has the exposure.
+  // The shutter is open from a third of the motion to its end, in the times of TransformTimes; the picture
+  // has the exposure.
   const std::string camera =
       std::string(FROM_ABOVE) + " \"float shutteropen\" 4 \"float shutterclose\" 6 TransformTimes 3 6";
   const auto scene = sceneFrom(settings(camera, 4) + "WorldBegin\n" + turningHalf("", "Translate 3 0 0"));
@@ -74,7 +75,7 @@ TEST(Motion, TheShutterIsOpenForAPartOfTheMotion) {
   EXPECT_TRUE(scene->moves());
   EXPECT_NEAR(scene->camera().timeAt(0), 1 / 3.0, 1e-6);
   EXPECT_EQ(scene->camera().timeAt(1), 1);
-  // Everything has left the picture before: nothing is seen.
+  // The shape has left the picture before the shutter opens.
   EXPECT_EQ(renderScene(*scene, "path", "", 16).mean(), 0);
 }
 
@@ -104,7 +105,8 @@ TEST(Motion, AMovingCameraSeesWhatMovesTheOtherWay) {
 
 namespace {
 
-/** A floor under a lamp that moves, turns and grows; at one moment of it where `at` is not negative. */
+/** A floor under a lamp that moves, turns and grows; if `at` is not negative, the lamp at this time without
+ * motion. */
 std::string underMovingLamp(double at, const std::string& shape) {
   const auto moment = [](double t) {
     return "Translate " + std::to_string(-1 + 2 * t) + " 0 " + std::to_string(1 + t) + " Scale " +
@@ -124,7 +126,7 @@ std::string underMovingLamp(double at, const std::string& shape) {
 } // namespace
 
 TEST(Motion, ALampThatMovesLightsAsTheMeanOfItsMoments) {
-  // The lamp is above the eye, so that only its light is seen.
+  // The lamp is above the camera, so that only its light is visible.
   size_t scenes = 1;
   for (const char* shape : {"Shape \"sphere\" \"float radius\" .3",
                             "ReverseOrientation Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
@@ -156,7 +158,8 @@ TEST(Motion, ALampThatMovesLightsAsTheMeanOfItsMoments) {
 }
 
 TEST(Motion, InstancesAndTheirShapesMoveTogether) {
-  // An object moves along x and a part of it along y: they make a diagonal. The other part is at rest in it.
+  // An object moves along x and one of its parts along y, which makes a diagonal. The second part does not
+  // move in the object.
   const std::string part =
       "AreaLightSource \"diffuse\" \"rgb L\" [1 1 1] Material \"diffuse\" \"rgb reflectance\" [0 0 0] "
       "Shape \"disk\" \"float radius\" .1\n";
@@ -177,7 +180,7 @@ TEST(Motion, InstancesAndTheirShapesMoveTogether) {
 }
 
 TEST(Motion, MovingGlassLosesNoLight) {
-  // Clear glass in even light shows it unchanged, however its surfaces' points are rounded on the way.
+  // Clear glass in uniform light is invisible, in spite of rounding of positions on its moving surfaces.
   const std::string scene =
       view(16, "0 -4 1  0 0 0  0 0 1", 40) +
       "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
@@ -189,7 +192,7 @@ TEST(Motion, MovingGlassLosesNoLight) {
 }
 
 TEST(Motion, LampsThatShineAheadTurnWithTheirShapes) {
-  // Radiance of one ray for the direction of another, against the radiance that a camera ray finds there.
+  // Radiance of an emitted ray in a new direction, against the radiance of a camera ray at the same point.
   std::string text = underMovingLamp(-1, "Shape \"sphere\" \"float radius\" .3");
   const std::string lamp = "AreaLightSource \"diffuse\"";
   text.replace(text.find(lamp), lamp.size(), lamp + " \"float exponent\" 3");
@@ -211,7 +214,7 @@ TEST(Motion, LampsThatShineAheadTurnWithTheirShapes) {
 }
 
 TEST(Motion, AreaLightsOfMovingShapesKnowTheirDensities) {
-  // Sampled densities against those told for the same ray, and the mean of flux against the power at rest.
+  // Densities of samples against pdfLe() for the same ray, and flux against the radiance.
   const auto scene = sceneFrom(underMovingLamp(-1, "Shape \"sphere\" \"float radius\" .3"));
   const Light& light = scene->lights()[0];
   for (uint32_t i = 0; i < 200; ++i) {
@@ -225,7 +228,7 @@ TEST(Motion, AreaLightsOfMovingShapesKnowTheirDensities) {
     const float cosine = glm::dot(le->normal, le->direction);
     EXPECT_NEAR(le->flux.g, 300 * cosine / (le->pdfPosition * le->pdfDirection), 1e-2f * le->flux.g);
     Hit hit;
-    // Emitted light starts on the lamp as rays see it at that time.
+    // Emitted light starts on the lamp where rays hit it at that time.
     EXPECT_FALSE(scene->intersect({le->origin, le->direction, 1e-3f, time}, hit));
     const Vec3f above = le->origin + le->normal * 1e-3f;
     ASSERT_TRUE(scene->intersect({above, -le->normal, 1e-2f, time}, hit));

@@ -1,5 +1,5 @@
 /** @file
- * Dielectrics that overlap: the picture is that of the same solids with their true surfaces.
+ * Overlapping dielectrics: the picture is equal to the picture of the same solids with their true surfaces.
  */
 #include "rendering.h"
 
@@ -10,7 +10,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Four lamps of different colours behind what is looked at, and in front of it. */
+/** Solids between four lamps of different colours, behind and in front of them. */
 std::string between(const std::string& solids) {
   std::string text = R"(
 Film "rgb" "integer xresolution" 12 "integer yresolution" 12
@@ -42,7 +42,7 @@ std::string sphere(double radius, const std::string& material, bool inwards = fa
          std::to_string(radius) + "\nAttributeEnd\n";
 }
 
-/** A pass of photons for each sample of a few pixels. */
+/** Parameters for one pass of photons for each sample of a few pixels. */
 const char* fewPhotons(const std::string& integrator) {
   return integrator == "photonmap" ? "\"integer passes\" 0 \"integer photons\" 8192" : "";
 }
@@ -66,7 +66,7 @@ void expectSamePicture(const std::string& a, const std::string& b, const std::st
 } // namespace
 
 TEST(Nesting, WaterThatReachesIntoItsGlassTouchesIt) {
-  // Inside of the glass, at a radius of .8, its index is over that of water.
+  // Inside of the glass, at a radius of .8, the relative index is that of glass to water.
   const std::string touching = sphere(1, R"("float eta" 1.5)") + sphere(0.8, R"("float eta" .8866667)");
   const std::string overlapping = sphere(1, R"("float eta" 1.5 "integer priority" 2)") +
                                   sphere(0.8, R"("float eta" 1.5 "integer priority" 2)", true) +
@@ -79,7 +79,7 @@ TEST(Nesting, TheStrongerIsThereInWhateverOrder) {
   const std::string within = sphere(0.6, R"("float eta" 1.2 "integer priority" 2)");
   expectSamePicture(sphere(1, R"("float eta" 1.7)"), hidden + within, "path");
   expectSamePicture(sphere(1, R"("float eta" 1.7)"), within + hidden, "path");
-  // The other way round the weaker is outside of the stronger: as with relative indices.
+  // In the reverse order the weaker solid is outside of the stronger one, as with relative indices.
   expectSamePicture(sphere(1, R"("float eta" 1.7)") + sphere(0.6, R"("float eta" .7058824)"),
                     sphere(1, R"("float eta" 1.7 "integer priority" 1)") +
                         sphere(0.6, R"("float eta" 1.2 "integer priority" 2)"),
@@ -111,7 +111,7 @@ LightSource "infinite" "rgb L" [ 1 1 1 ]
 }
 
 TEST(Nesting, HiddenSurfacesThrowNoShadows) {
-  // A lamp and a floor, both inside of glass, with the surface of weaker matter between them.
+  // A lamp and a floor inside of glass, with the surface of a weaker solid between them.
   for (const char* lamp :
        {"LightSource \"point\" \"rgb I\" [ 2 2 2 ] \"point3 from\" [ .1 .8 -.2 ]\n",
         "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 40 40 40 ]\nMaterial \"interface\"\n"
@@ -134,8 +134,8 @@ TEST(Nesting, HiddenSurfacesThrowNoShadows) {
 }
 
 TEST(Nesting, TheEyeMayBeInside) {
-  // Seen from within the glass the weaker solid around its far side is still hidden, and what is beyond is
-  // not.
+  // Seen from inside of the glass, the weaker solid around its far side is still hidden, and objects beyond
+  // are visible.
   const std::string eye = R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
 PixelFilter "box"
@@ -164,7 +164,7 @@ AttributeEnd
 TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
   std::string solids;
   for (size_t i = 0; i <= Scene::MAX_NESTED; ++i) {
-    solids += sphere(1, "\"float eta\" 1.5 \"integer priority\" 1"); // all one matter
+    solids += sphere(1, "\"float eta\" 1.5 \"integer priority\" 1"); // all of one medium
     if (i > 0) solids += sphere(1, "\"integer priority\" " + std::to_string(1 + i));
   }
   Diagnostics diagnostics;
@@ -174,7 +174,7 @@ TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
             std::string::npos);
 }
 
-/** Probes see past a surface that a stronger solid around it hides. */
+/** Probes pass surfaces that a stronger solid around them hides. */
 TEST(Nesting, ProbesOfTheCameraPassHiddenSurfaces) {
   const std::string glass = sphere(1, "\"float eta\" 1.5 \"integer priority\" 2"),
                     hidden = sphere(0.6, "\"float eta\" 3 \"integer priority\" 1");

@@ -1,5 +1,5 @@
 /** @file
- * Where light from far away comes in: densities against closed forms, and which photons get in.
+ * Openings for light of infinite lights: densities against closed forms, and the photons that enter.
  */
 #include "transport/emission/emissionMixture.h"
 #include "transport/forward/shoot.h"
@@ -20,7 +20,7 @@ bool entersHole(const LeSample& sample, const Vec3f& center) {
   return crossesHole(sample.origin, sample.direction, center);
 }
 
-/** A ray of a light in one direction, over the whole scene's disc. */
+/** Ray of a directional light, uniform over the disc of the scene. */
 LeSample overDisc(const SceneBounds& bounds, const Vec3f& direction, const Vec2f& u) {
   const Vec3f across = glm::normalize(glm::cross(direction, Vec3f(1, 0, 0)));
   const float r = bounds.radius * std::sqrt(u.x), phi = 2 * PI * u.y;
@@ -42,7 +42,7 @@ TEST(Openings, PhotonsFindAHoleWithoutAPane) {
   ASSERT_TRUE(mixture.active());
   const SceneBounds& bounds = scene->bounds();
   const Vec3f direction = glm::normalize(Vec3f(0.3f, -1, 0.2f));
-  for (uint32_t round = 0; round < 3; ++round) { // learns what enters
+  for (uint32_t round = 0; round < 3; ++round) { // learns which photons enter
     EmissionMixture::Moments moments(mixture);
     Sampler sampler(4, round, 0);
     for (int i = 0; i < 30000; ++i) {
@@ -67,11 +67,12 @@ TEST(Openings, PhotonsFindAHoleWithoutAPane) {
     sum += double(sample.flux.r) / N;
     stronger += sample.flux.r > 0.1f;
   }
-  // The mean flux through the hole is its part of the disc; by chance alone so many photons find it.
+  // The mean flux through the hole is the hole's fraction of the disc; uniform sampling would find a
+  // twentieth of the photons.
   const double part = double(square(2 * HOLE_HALF_WIDTH) * -direction.y * bounds.pdfDisc());
   EXPECT_NEAR(sum / part, 1, 0.03);
   EXPECT_GT(inside, 20 * part * N);
-  // Hardly any of them is far stronger than the others.
+  // Very few of them have a much larger flux.
   EXPECT_LT(stronger, inside / 100);
 }
 
@@ -88,8 +89,8 @@ TEST(Openings, ARoomWithAHoleIsAsBrightAsByPaths) {
 }
 
 TEST(Openings, ASkyBesideAFarSunIsFoundToo) {
-  // The sun is a ball of forty times the sky's power, so that it takes nearly all photons while it is not
-  // aimed.
+  // The sun is a ball with forty times the power of the sky, so that it gets nearly all photons before
+  // learning.
   const int count = samples(32);
   const std::string sun =
       "AttributeBegin Translate 60 250 30 AreaLightSource \"diffuse\" \"rgb L\" [400 400 400] "
@@ -147,7 +148,7 @@ Shape "sphere" "float radius" .3
   const Rendered path = renderText(milk, "path", "", SANITIZED ? 8 : 256);
   for (uint64_t seed = 1; seed <= (SANITIZED ? 1 : 3); ++seed) {
     const Rendered photons = renderText(milk, "photonmap", "", samples(16), seed);
-    if (SANITIZED) continue; // so few samples give neither mean
+    if (SANITIZED) continue; // too few samples for either mean
     EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.08 + 3 * path.standardError() / path.mean()) << seed;
   }
 }
