@@ -585,7 +585,7 @@ TEST(BoundaryCorrection, DiscsOfFineLightStaySmall) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
   PhotonMap map;
-  map.build(onFloor(4, 20000)); // uniform light, so wide discs are correct
+  map.build(onFloor(4, 20000)); // the light is uniform: wide discs are correct
   const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;

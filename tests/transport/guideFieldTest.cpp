@@ -130,7 +130,7 @@ TEST(SquareTree, SamplesHaveTheDensityThatTheySay) {
       float density = 0;
       const Vec2f p = tree.sample({uniform(random), uniform(random)}, density);
       EXPECT_TRUE(p.x >= 0 && p.x <= 1 && p.y >= 0 && p.y <= 1);
-      // By rounding, a few points are beyond the border of a leaf.
+      // Rounding moves a few points beyond the border of a leaf.
       const Vec2f grid = p * 1024.0f;
       if (glm::all(glm::greaterThan(glm::abs(grid - glm::round(grid)), Vec2f(0.01f)))) {
         EXPECT_NEAR(tree.pdf(p) / density, 1, 1e-5f);

@@ -337,8 +337,8 @@ TEST(Integrators, DepthLimitCutsAndSaysHowMuch) {
     EXPECT_GT(r.statistics.counts.truncatedThroughput, 0);
   }
   EXPECT_EQ(renderScene(*scene, "path", "", 1).statistics.counts.truncatedThroughput, 0);
-  // Lost weight counts camera paths only: neither the flux of photons nor that of light subpaths is part of
-  // the sum.
+  // Lost weight counts camera paths only: neither the flux of photons nor the flux of light subpaths is part
+  // of the sum.
   for (const char* integrator : {"photonmap", "lightpath", "bdpt", "vcm"}) {
     const Rendered r = renderScene(*scene, integrator, "\"integer maxdepth\" 1", 1);
     EXPECT_LE(r.statistics.counts.truncatedThroughput, double(r.statistics.samples)) << integrator;

@@ -251,7 +251,7 @@ TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
   }
 }
 
-/** Of many lamps behind walls the sampler selects the visible one: the mean is the same with less noise. */
+/** Sampler that selects the visible lamp among many behind walls: the mean is the same with less noise. */
 TEST(LightSampler, LampsBehindWallsAreLeftAlone) {
   const auto scene = sceneFrom(rooms());
   const int rays = SANITIZED ? 2000 : 10000;

@@ -1,6 +1,6 @@
 /** @file
- * Shadow rays go straight through thin panes: what they bring is what every other way to estimate it brings,
- * and what Fresnel's formulas say.
+ * Shadow rays that cross thin panes: direct light agrees with all other estimators and with Fresnel's
+ * formulas.
  */
 #include "classRendering.h"
 
@@ -9,9 +9,9 @@ using namespace recurse::testing;
 
 namespace {
 
-constexpr double COSINE = 0.8; ///< of the sun with the normals of floor and panes
+constexpr double COSINE = 0.8; ///< cosine between the sun's direction and the normals of floor and panes
 
-/** What a pane of index 1.5 lets through: unpolarised light, all reflections inside added up. */
+/** Transmittance of a pane of index 1.5 for unpolarised light, including all internal reflections. */
 double transmitted(double cosine) {
   const double eta = 1.5, inside = std::sqrt(1 - (1 - cosine * cosine) / (eta * eta));
   const double s = (cosine - eta * inside) / (cosine + eta * inside),
@@ -20,8 +20,8 @@ double transmitted(double cosine) {
   return 1 - 2 * r / (1 + r);
 }
 
-/** A floor of reflectance 1/2 in the sun, irradiance π across its direction, below so many panes; seen from
- * below them. */
+/** A floor of reflectance 1/2 below `panes` panes, in the sun of irradiance π perpendicular to its direction;
+ * the camera is below the panes. */
 std::string sunnyFloor(int panes) {
   std::string text = R"(
 Film "rgb" "integer xresolution" 6 "integer yresolution" 6
@@ -42,8 +42,8 @@ Material "thindielectric" "float eta" 1.5
   return text;
 }
 
-/** A white ball in a dome of thin glass, in light of radiance 1 from all sides: nothing absorbs, so that
- * there is radiance 1 everywhere. */
+/** A white ball in a dome of thin glass, in light of radiance 1 from all directions: without absorption the
+ * radiance is 1 everywhere. */
 std::string furnaceUnderGlass(const std::string& light) {
   return R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8
@@ -60,7 +60,7 @@ Shape "sphere" "float radius" .7
 )";
 }
 
-/** All ways by which direct light comes by shadow rays, and some with more of them. */
+/** All ways that estimate direct light by shadow rays, and some with more shadow rays. */
 std::vector<Way> waysWithShadowRays() {
   std::vector<Way> ways = allWays("80000");
   std::erase_if(ways, [](const Way& w) { return w.parameters.find("direct") != std::string::npos; });
@@ -72,8 +72,7 @@ std::vector<Way> waysWithShadowRays() {
 
 bool splats(const Way& way) { return integratorFrom(way.integrator, way.parameters)->splats(); }
 
-/** Relative error of the light of the sun, of which paths from the light that meet the camera bring a part
- * with noise. */
+/** Relative tolerance for the light of the sun; splats of light paths have noise. */
 double tolerance(const Way& way) { return splats(way) ? 5e-3 : 1e-3; }
 
 } // namespace
@@ -83,7 +82,7 @@ TEST(Panes, SunThroughThemIsAsFresnelSays) {
     const auto scene = sceneFrom(sunnyFloor(panes));
     ASSERT_TRUE(scene);
     const double expected = 0.5 * COSINE * std::pow(transmitted(COSINE), panes);
-    // As many events as the light has that comes straight: nothing else is in the picture.
+    // Depth limit equal to the number of events of direct light: no other light is in the picture.
     const std::string depth = " \"integer maxdepth\" " + std::to_string(panes + 1);
     for (const Way& way : dealt(waysWithShadowRays(), size_t(panes))) {
       const auto& [name, parameters] = way;
@@ -115,8 +114,8 @@ TEST(Panes, AreEventsOfThePathsClass) {
   EXPECT_NEAR(alone.layerMeans()[0], expected, 1e-3);
 }
 
-/** A small lamp that the camera does not see, floor and wall behind one pane, and a second one before the
- * camera. Without shadow rays through panes nothing but a lucky hit of the lamp finds light of LSDSE. */
+/** A small lamp outside of the view, floor and wall behind one pane, and a second pane in front of the
+ * camera. Without shadow rays through panes only rare hits of the lamp find light of LSDSE. */
 TEST(Panes, ASmallLampBehindThemMakesNoBrightPixels) {
   const auto scene = sceneFrom(view(16, "0 1.2 -3.5  0 .4 0  0 1 0", 40) + R"(
 AttributeBegin
@@ -169,7 +168,7 @@ TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
   }
 }
 
-/** What photons bring through the pane where no shadow rays do. */
+/** Without shadow rays photons carry the same light through the pane. */
 TEST(Panes, PhotonsBringTheSameLight) {
   const auto scene = sceneFrom(sunnyFloor(1));
   ASSERT_TRUE(scene);
@@ -184,8 +183,7 @@ TEST(Panes, PhotonsBringTheSameLight) {
   EXPECT_NEAR(photons, shadowRays, 0.05 * shadowRays);
 }
 
-/** A lamp at a point, above a pane in fog: every event of the paths through it, on the floor and in the fog.
- */
+/** A point lamp above a pane in fog: every path through the pane, on the floor and in the fog. */
 TEST(Panes, LightComesThroughThemIntoFog) {
   const auto scene = sceneFrom(R"(
 Film "rgb" "integer xresolution" 8 "integer yresolution" 8

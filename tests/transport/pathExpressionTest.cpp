@@ -1,6 +1,6 @@
 /** @file
- * Path expressions against std::regex and against a direct reading of random expressions; the walks and joins
- * of path classes on every word and every place to cut it; errors; domains and reports.
+ * Path expressions against std::regex and against a direct evaluation of random expressions; walks and joins
+ * of path classes on every word and every cut; errors; domains and reports.
  */
 #include <functional>
 #include <memory>
@@ -39,7 +39,7 @@ void forAllWords(size_t longest, const std::function<void(const std::string&)>& 
 
 PathEvent eventOf(char c) { return static_cast<PathEvent>(EVENTS.find(c)); }
 
-/** Cuts the path at every place and joins the halves; returns whether all joins give `expected`. A walk that
+/** Cuts the path at every vertex and joins the halves; returns whether all joins give `expected`. A walk that
  * could still be completed must not be dead. */
 bool joinsGive(const PathClasses& classes, const std::string& events, LayerMask expected) {
   std::vector<LightState> light = {classes.lightStart()};
@@ -133,14 +133,14 @@ TEST(PathExpression, WordsThatAreNoPathsAreInNoClass) {
     EXPECT_FALSE(all.accepts(word)) << word;
 }
 
-// --- Random expressions, against a direct reading
-// ----------------------------------------------------------------
+// --- Random expressions, against a direct evaluation
+// -------------------------------------------------------------
 
-/** The set of words of up to 7 events as bits, and all else that a random tree needs: a model that knows no
- *  automata. Fragments are relations: for each word, which substrings [i, j) they match. */
+/** Model of a random expression without automata: the set of words of up to 7 events as bits. Fragments are
+ * relations: for each word, the substrings [i, j) that they match. */
 struct Tree {
   enum Kind { LETTERS, SEQUENCE, ALTERNATIVES, REPEAT } kind = LETTERS;
-  std::string letters; ///< LETTERS: one of these
+  std::string letters; ///< LETTERS: the alternatives
   std::vector<Tree> parts;
   int least = 0, most = 0; ///< REPEAT; most -1 for unbounded
 
@@ -166,7 +166,7 @@ struct Tree {
   }
 
   using Ends = uint32_t; ///< bit j: a match may end before letter j
-  /** The ends of all matches that begin at the `begins`. */
+  /** Ends of all matches that begin at the `begins`. */
   Ends match(const std::string& word, Ends begins) const {
     Ends ends = 0;
     switch (kind) {
@@ -277,7 +277,7 @@ TEST(PathExpression, RandomExpressionsMeanWhatTheirTreesMean) {
           std::make_unique<PathClasses>(std::vector<PathClass>{{"tree", text}, {"other", "!(" + text + ")"}});
       ++joinedClasses;
     } catch (const Error&) {
-      // no path, every path, or too large: none of these matters here
+      // no path, every path, or too large: all of these are valid results
     }
     size_t wrong = 0;
     forAllWords(7, [&](const std::string& events) {
@@ -320,7 +320,7 @@ TEST(PathAutomaton, SetsObeyTheLawsOfSets) {
 }
 
 TEST(PathAutomaton, IsTheSmallest) {
-  EXPECT_EQ(PathAutomaton::compile("all").stateCount(), 4u);   // start, between, end, dead
+  EXPECT_EQ(PathAutomaton::compile("all").stateCount(), 4u);   // start, interior, end, dead
   EXPECT_EQ(PathAutomaton::compile("LS+DE").stateCount(), 6u); // start, L, S, D, end, dead
   EXPECT_TRUE(PathAutomaton::compile("L(S|D)*DS+E").equivalent(PathAutomaton::compile("LS*D([SD]*D)?S+E")));
   EXPECT_TRUE(PathAutomaton::compile("L(S*D*)*E").equivalent(PathAutomaton::compile("surface")));
@@ -468,10 +468,11 @@ TEST(PathExpression, AnyTextEitherCompilesOrIsAnError) {
   EXPECT_GT(compiled, 100u);
 }
 
-// --- Classes together
-// --------------------------------------------------------------------------------------------
+// --- Several classes
+// ---------------------------------------------------------------------------------------------
 
-/** Every word up to 8 events, every cut: the join gives exactly the classes whose own automata accept. */
+/** For every word up to 8 events and every cut, the join gives exactly the classes whose own automata accept
+ * the word. */
 void expectJoins(const std::vector<PathClass>& list) {
   const PathClasses classes(list);
   std::vector<PathAutomaton> automata;
@@ -528,7 +529,7 @@ TEST(PathClasses, WalksThatCannotCompleteAreDead) {
 }
 
 TEST(PathClasses, EquivalentStatesAreMerged) {
-  // Both classes alone need to count; their union does not.
+  // Each class alone needs to count; their union does not.
   EXPECT_EQ(onlyClass("L.{0,30}E | L.{31,}E").lightStateCount(), 1u);
   EXPECT_EQ(onlyClass("L(.{3})*E").lightStateCount(), 3u);
   EXPECT_EQ(onlyClass("L(.{3})*E").cameraStateCount(), 3u);
@@ -571,7 +572,7 @@ TEST(PathClasses, DefaultStillsAreDisjointAndComplete) {
 }
 
 TEST(PathClasses, StillsOfMediaLeaveNothingOfThemOver) {
-  // The layers of surfaces are the same, and what is left over has no V.
+  // The layers of surfaces are the same, and the remainder has no V.
   const std::vector<PathClass> surfaces = defaultStillClasses(), media = defaultStillClasses(true);
   for (size_t i = 0; i + 1 < surfaces.size(); ++i) EXPECT_EQ(media[i].expression, surfaces[i].expression);
   EXPECT_TRUE(PathAutomaton::compile(media.back().expression).subsetOf(PathAutomaton::compile("surface")));

@@ -1,7 +1,7 @@
 /** @file
- * The oracle: a path tracer as simple as can be, which shares nothing with the integrators but the scene and
- * the BSDFs themselves. It writes down what each path brings under the path's word; sums over the words that
- * a std::regex accepts are the truth that the class layers of the integrators are held to.
+ * The oracle: a minimal path tracer that shares only the scene and the BSDFs with the integrators. It adds
+ * the contribution of each path to the sum of its word; sums over the words that a std::regex accepts are the
+ * reference for the class layers of the integrators.
  */
 #include "classRendering.h"
 
@@ -14,12 +14,13 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Longer paths are left out, on both sides of the comparison. */
+/** Longer paths are excluded on both sides of the comparison. */
 constexpr int MAX_EVENTS = 6;
-/** A path by its events from the eye on, a bit each (1: D), below a leading 1. */
+/** Words as bits, from the camera on (1: D), below a leading 1. */
 constexpr size_t WORDS = size_t(1) << (MAX_EVENTS + 1);
 
-/** As in path expressions, from the light to the eye: the last event of the eye walk comes first. */
+/** Text of a word in the order of path expressions, from the light to the camera: the last event of the
+ * camera walk is first. */
 std::string wordText(size_t word) {
   std::string text = "L";
   for (; word > 1; word >>= 1) text += (word & 1) ? 'D' : 'S';
@@ -28,7 +29,7 @@ std::string wordText(size_t word) {
 
 using WordSums = std::array<Rgbd, WORDS>;
 
-/** One path: no shadow rays, no roulette; each lobe has the same chance. */
+/** Traces a path without shadow rays and Russian roulette; each lobe has the same probability. */
 void tracePath(const Scene& scene, Ray ray, std::mt19937_64& random, WordSums& sums) {
   const auto number = [&] { return float(random() >> 40) * 0x1p-24f; };
   Rgbd throughput(1);
@@ -67,7 +68,7 @@ void tracePath(const Scene& scene, Ray ray, std::mt19937_64& random, WordSums& s
       } else {
         const DeltaScatter& d = deltas.entries[size_t(lobe - diffuse)];
         wo = d.wo;
-        throughput *= Rgbd(d.weight) / double(square(d.eta)); // radiance goes with the index squared
+        throughput *= Rgbd(d.weight) / double(square(d.eta)); // radiance scales with the square of the index
         word = 2 * word;
       }
       ray.direction = glm::normalize(frame.toWorld(wo));
@@ -76,10 +77,10 @@ void tracePath(const Scene& scene, Ray ray, std::mt19937_64& random, WordSums& s
   }
 }
 
-/** A class, and a regular expression in ECMAScript's grammar that accepts the same words of S and D. */
+/** A class, and an equivalent ECMAScript regular expression over words of S and D. */
 struct OracleClass {
   std::string expression;
-  std::string regex; ///< empty: the same text
+  std::string regex; ///< empty: the same expression
 };
 
 const std::vector<OracleClass>& oracleClasses() {
@@ -97,7 +98,7 @@ const std::vector<OracleClass>& oracleClasses() {
                                                {"LSDSE", ""},
                                                {"LDDSE", ""},
                                                {"LDSDE", ""},
-                                               // Those that people ask for
+                                               // Common classes
                                                {"LS*E", ""},
                                                {"LDS*E", ""},
                                                {"LS+DE", ""},
@@ -110,7 +111,7 @@ const std::vector<OracleClass>& oracleClasses() {
                                                {"LD+E", ""},
                                                {"LDD+E", ""},
                                                {"LS+D+E", ""},
-                                               // Heckbert's and the handout's brackets
+                                               // Brackets by Heckbert and by a lecture handout
                                                {"L[S|D]E", ""},
                                                {"L[SS|D]E", "L(SS|D)E"},
                                                {"L[S|D]*S[D]E", "L(S|D)*SDE"},
@@ -175,7 +176,7 @@ BatchMeans askOracle(const Scene& scene, int batches, int pathsPerBatch) {
 
 constexpr int FILM = 64;
 
-/** A box open to the eye, with lamps large enough to be found by chance. */
+/** A box open to the camera, with lamps large enough to be hit at random. */
 std::string boxWithLamps() {
   return view(FILM, "0 0 3.9  0 0 0  0 1 0", 39.3) + R"(
 MakeNamedMaterial "paint" "string type" "diffuse" "rgb reflectance" [ .6 .7 .8 ]
@@ -220,7 +221,7 @@ AttributeEnd
 )";
 }
 
-/** Things on a floor under the sky, and a lamp without a body. */
+/** Objects on a floor under the sky, and a delta light. */
 std::string floorUnderTheSky() {
   return view(FILM, "0 1.2 3.4  0 -.3 0  0 1 0", 36) + R"(
 LightSource "infinite" "rgb L" [ .4 .6 .9 ]
@@ -271,10 +272,9 @@ INSTANTIATE_TEST_SUITE_P(Scenes, PathOracle,
                                            OracleCase{"floorUnderTheSky", floorUnderTheSky()}),
                          caseName);
 
-/** Fixed seeds: a wrong mean shows, an unlucky one does not come up. */
+/** Seeds are fixed: the bound detects a wrong mean, and an outlier cannot occur later. */
 constexpr double SIGMAS = 5;
-/** The photon map smears over edges and shadow borders; the search is as wide as a pixel of this small film.
- */
+/** Bias of the photon map at edges and shadow borders; the search radius is a pixel of this small film. */
 constexpr double PHOTON_BIAS = 0.03;
 
 } // namespace
@@ -311,7 +311,7 @@ TEST_P(PathOracle, ClassesOfEveryIntegratorAgree) {
             << c << ", errors " << truth.standardError(at) << " and " << means.standardError(at);
       }
   }
-  // The comparison means something: most classes are known well, and few are dark.
+  // The comparison is meaningful: most classes have small errors, and few are dark.
   size_t sharp = 0;
   for (size_t i = 0; i < list.size(); ++i)
     if (truth.standardError(3 * i + 1) < (SANITIZED ? 0.06 : 0.02) * truth.mean(3 * i + 1)) ++sharp;

@@ -1,5 +1,5 @@
 /** @file
- * Records of camera paths: they change nothing, and nothing is missing from them.
+ * Records of camera paths: recording changes no result, and the records are complete.
  */
 #include "rendering.h"
 
@@ -16,7 +16,7 @@ using namespace recurse::testing;
 constexpr int RECORD_SIZE = 12, RECORD_SAMPLES = 3;
 constexpr uint64_t RECORD_SEED = 7;
 
-/** A fog that glows a little in a box. */
+/** A weakly emissive fog in a box. */
 std::string mistyFloor() {
   return view(RECORD_SIZE, "0 -3 1  0 0 .5  0 0 1", 50) + R"(
 MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ .5 .6 .7 ] "rgb sigma_a" [ .1 .1 .1 ]
@@ -43,7 +43,7 @@ std::vector<RecordCase> recordCases() {
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "photonmap", progressive + " \"bool causticsonly\" true"},
           {glassAndMirrorBox(RECORD_SIZE, 1.2), "simplephotonmap", photons},
           {mistyFloor(), "path", ""},
-          // Of few photons that are stored none would be read.
+          // With few photons the paths would read none.
           {mistyFloor(), "photonmap", "\"integer photons\" 65536 \"integer passes\" 0"}};
 }
 
@@ -70,7 +70,7 @@ void expectClose(const Rgb& found, const Rgb& expected) {
     EXPECT_NEAR(found[channel], expected[channel], 1e-5f * expected[channel]);
 }
 
-/** The contributions of a sample. */
+/** Sum of the contributions of a sample. */
 Rgb sumOf(const PathRecorder& record, size_t sample) {
   Rgb sum(0);
   for (size_t i = record.samples()[sample].firstContribution; i < record.endContribution(sample); ++i)
@@ -96,7 +96,7 @@ TEST(PathRecorder, ContributionsAddUpToThePixelsOfTheRender) {
   }
 }
 
-/** The path's word as far as the camera's side knows it: all of a hit or a shadow ray. */
+/** Word of a path as recorded on the camera's side: complete for hits and shadow rays. */
 std::string recordedWord(const PathRecorder& record, const RecordedSource& source) {
   if (source.technique == PathTechnique::HIT) return "L" + record.letters(source.step) + "E";
   return "LD" + record.letters(record.vertices()[size_t(source.vertex)].step) + "E";

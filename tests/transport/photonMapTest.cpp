@@ -1,6 +1,6 @@
 /** @file
- * The photon map finds exactly what a search through all photons finds, whichever index it uses; and what
- * it does with odd input.
+ * The photon map finds exactly the photons of an exhaustive search, with every index; and its behaviour with
+ * unusual input.
  */
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -73,7 +73,7 @@ std::vector<Photon> makePhotons(const Distribution& distribution, size_t n) {
   return photons;
 }
 
-/** A photon by the place where it was emitted. */
+/** Photon, identified by its index of emission. */
 struct Found {
   float distance2;
   uint32_t index;
@@ -84,7 +84,7 @@ struct Found {
 };
 using FoundList = std::vector<Found>;
 
-/** What the header promises, in plain words. */
+/** Exhaustive search by the definition in the header. */
 FoundList bruteForce(const std::vector<Photon>& photons, const GatherRegion& region) {
   FoundList found;
   const Vec3f& n = region.normal;
@@ -145,14 +145,14 @@ std::vector<GatherRegion> makeRegions(const std::vector<Photon>& photons, size_t
   for (size_t i = 0; i < n; ++i) {
     GatherRegion region;
     region.center = uniformPoint(random, -1.2f, 1.2f);
-    // At and beside photons: ties, and places where there are many.
+    // Queries at photons and beside them: ties, and dense regions.
     if (!photons.empty() && i % 4 != 0) {
       region.center = photons[random() % photons.size()].position;
       if (i % 4 == 2) region.center += uniformPoint(random, -1e-3f, 1e-3f);
     }
     region.normal = i % 3 ? uniformDirection(random) : Vec3f(0, 0, 1);
     region.radius = std::exp(uniform(random, std::log(1e-3f), std::log(3.0f)));
-    if (i % 5 == 0) region.radius = 0.25f; // the lattice's spacing: on the border
+    if (i % 5 == 0) region.radius = 0.25f; // radius equal to the lattice spacing: photons on the border
     region.flatness = i % 2 ? 1 : uniform(random, 0.01f, 1.5f);
     region.bothSides = (i / 2) % 2;
     for (size_t clips = i % 7 == 3 ? 1 + i % GatherRegion::MAX_CLIPS : 0; region.clipCount < clips;)
@@ -255,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(All, PhotonSets,
                          });
 
 TEST(PhotonMap, nearestInOrderOfCoherentQueries) {
-  // A scratch that is carried along must not change what is found, nor the order in which it is visited.
+  // A reused scratch must not change the photons found, nor the order of the visit.
   const std::vector<Photon> photons = makePhotons(DISTRIBUTIONS[2], 20000);
   PhotonMap map;
   map.build(photons);
@@ -282,7 +282,7 @@ TEST(PhotonMap, nearestInOrderOfCoherentQueries) {
 }
 
 TEST(PhotonMap, nearestSurvivesFlushToZero) {
-  ThreadPool pool(1); // sets the float mode
+  ThreadPool pool(1); // sets the floating-point mode
   const std::vector<Photon> photons = makePhotons(DISTRIBUTIONS[4], 1000);
   PhotonMap map;
   map.build(photons);
@@ -319,7 +319,7 @@ TEST(PhotonMap, refusesAndCountsNonFinitePhotons) {
     EXPECT_EQ(count, 996u);
     for (size_t slot = 0; slot < map.size(); ++slot)
       EXPECT_EQ(map.position(slot), photons[map.emissionIndex(slot)].position);
-    // Nothing but bad ones.
+    // Only photons that are not finite.
     map.build(std::vector<Photon>(40, photons[0]), kind);
     EXPECT_EQ(map.refused(), 40u);
     EXPECT_TRUE(map.empty());
@@ -329,7 +329,7 @@ TEST(PhotonMap, refusesAndCountsNonFinitePhotons) {
 }
 
 TEST(PhotonMap, photonsOfTheFarSideNeverCount) {
-  // A thin wall: lit strongly from below, by a few photons from above.
+  // A thin wall with many photons from below and few from above.
   Random random(5);
   std::vector<Photon> photons;
   for (int i = 0; i < 5000; ++i) {
@@ -352,7 +352,7 @@ TEST(PhotonMap, photonsOfTheFarSideNeverCount) {
       EXPECT_EQ(sum(block.found(block.green())), 0);
       EXPECT_EQ(sum(block.found(block.red())), static_cast<float>(std::popcount(block.mask)));
     });
-    // 62.5 photons from above a unit of area.
+    // Density: 62.5 photons from above per unit of area.
     EXPECT_NEAR(50 / (PI * result.radius2), 62.5f, 30.0f);
   }
 }
@@ -400,11 +400,12 @@ TEST(PhotonMap, aMillionPhotonsTakeAtMostFortyBytesEach) {
   PhotonMap map;
   map.build(photons);
   EXPECT_LE(static_cast<double>(map.memoryBytes()), 40e6);
-  EXPECT_GE(static_cast<double>(map.memoryBytes()), 29e6); // or it does not count all
+  EXPECT_GE(static_cast<double>(map.memoryBytes()),
+            29e6); // lower bound, in case memoryBytes() counts too little
   const size_t before = map.memoryBytes();
   map.build(photons);
   EXPECT_EQ(map.memoryBytes(), before);
-  // No power is lost.
+  // Flux is conserved.
   Rgbd given(0), kept(0);
   for (const Photon& p : photons) given += Rgbd(p.power);
   map.visitWithin({Vec3f(0), Vec3f(0, 0, 1), INFINITE, 1, true}, [&](const PhotonBlock& block) {
@@ -440,7 +441,7 @@ TEST(Kernel, integratesToOneOverTheDisc) {
       EXPECT_EQ(kernelValue(kernel, static_cast<float>(1.01 * r * r), static_cast<float>(r * r)), 0);
     }
     EXPECT_EQ(parseKernel(kernelName(kernel)), kernel);
-    // Eight at a time, the same.
+    // Values in batches of eight are the same.
     withKernel(kernel, [](auto k) {
       for (const float q : {0.0f, 0.3f, 1.0f})
         EXPECT_EQ(kernelShape<k.value>(Float8(q))[3], kernelShape<k.value>(q));
@@ -450,7 +451,7 @@ TEST(Kernel, integratesToOneOverTheDisc) {
 }
 
 TEST(Kernel, uniformFieldIsEstimatedWithoutBias) {
-  // 400000 photons of unit power on a square of side 2: 100000 W a unit of area.
+  // 400000 photons of unit power on a square of side 2: 100000 W per unit of area.
   Random random(1);
   std::vector<Photon> photons(400000);
   for (Photon& p : photons) {
@@ -480,15 +481,15 @@ TEST(Kernel, uniformFieldIsEstimatedWithoutBias) {
   }
 }
 
-/** Box of the tree with its slots. */
+/** Box of the tree with its range of slots. */
 struct TreeBox {
   int level;
   Bounds3f box;
   size_t first, last;
 };
 
-/** Boxes of a map in the order of the visit, with their slots: parts follow their box in the order of slots.
- */
+/** Boxes of a map in the order of the visit, with their slots: children follow their box in the order of
+ * slots. */
 std::vector<TreeBox> boxesOf(const PhotonMap& map, int levels) {
   std::vector<TreeBox> all;
   std::vector<size_t> next(size_t(levels), 0); // first slot of the next box at each level
@@ -516,7 +517,7 @@ TEST(PhotonMap, BoxesOfTheTreeAreTightAndSplitAlongTheirWidestAxis) {
         for (size_t slot = b.first; slot < b.last; ++slot) tight.add(map.position(slot));
         EXPECT_EQ(tight.lower, b.box.lower);
         EXPECT_EQ(tight.upper, b.box.upper);
-        if (i + 1 == all.size() || all[i + 1].level <= b.level) { // a leaf, or at the last level
+        if (i + 1 == all.size() || all[i + 1].level <= b.level) { // a leaf, or the last level
           EXPECT_TRUE(b.level == 11 || b.last - b.first <= 32);
           continue;
         }

@@ -1,5 +1,6 @@
 /** @file
- * Photons as records of the guide: their flux against a closed form, and which of them rays can use.
+ * Photons as records of the guide: their flux against a closed form, and the selection of photons whose light
+ * rays can find.
  */
 #include <gtest/gtest.h>
 
@@ -50,7 +51,7 @@ TEST(PhotonRecords, TheirFluxIsTheIntegralOfRadianceTimesCosine) {
       for (int c = 0; c < N; ++c)
         for (int d = 0; d < N; ++d) {
           const double dx = middle(a) - middle(c), dz = middle(b) - middle(d), r2 = dx * dx + dz * dz + 1;
-          // One square metre each; both cosines are 1 / r.
+          // Unit squares; both cosines are 1 / r.
           (middle(a) > 0 ? right : left) += 5 / square(r2) / (double(N) * N * N * N);
         }
   const Vec3f middleOfFloor(-scene->origin());
@@ -73,7 +74,7 @@ Shape "bilinearmesh" "point3 P" [ 2 0 -4  2 4 -4  2 0 4  2 4 4 ]
 )";
   const std::string sun = "LightSource \"distant\" \"point3 from\" [ -1 1 0 ] \"point3 to\" [ 0 0 0 ]\n";
   const std::string camera = view(8, 8, "0 3 0  0 0 0  0 0 1", perspective(60));
-  // The floor is black: all of its photons are caustics of the mirror, or come straight from the light.
+  // The floor is black: all of its photons are caustics of the mirror, or direct light.
   const auto bySun = sceneFrom(camera + FLOOR + mirror + sun),
              byLamp = sceneFrom(camera + FLOOR + mirror + LAMP);
   EXPECT_TRUE(recordsOf(*bySun, 20000, true).empty());

@@ -1,5 +1,5 @@
 /** @file
- * Shadow rays through learned portals: densities, and the light of a hole against its solid angle.
+ * Shadow rays through learned portals: densities, and the light through a hole against its solid angle.
  */
 #include "transport/direct/portalSampler.h"
 #include "transport/roomWithHole.h"
@@ -45,7 +45,7 @@ TEST(PortalSampler, BringsTheLightOfAHoleWithLittleVariance) {
   const Vec3f center = scene->bounds().center;
   for (const Vec3f& place : {Vec3f(0, -1.25f, 0), Vec3f(1, -1.25f, -0.7f), Vec3f(-1.5f, -1, 1.5f)}) {
     const Vec3f point = center + place;
-    // The cosine over the hole's solid angle, by midpoints.
+    // Integral of the cosine over the hole's solid angle, by the midpoint rule.
     constexpr int CELLS = 200;
     double expected = 0;
     for (int x = 0; x < CELLS; ++x)
@@ -126,7 +126,7 @@ Shape "sphere")");
 }
 
 TEST(PortalSampler, TheRoomIsAsBrightAsWithoutPortals) {
-  constexpr int SMALL = 8; // so few camera paths find no portals
+  constexpr int SMALL = 8; // too few camera paths to find portals
   const auto scene = sceneFrom(roomWithHole(SMALL));
   ASSERT_TRUE(scene);
   PortalSampler portals;

@@ -1,6 +1,6 @@
 /** @file
- * Progressive photon maps: the schedule of radii, passes that depend on no other, memory that does not grow,
- * and an error that falls with the number of passes, bias included.
+ * Progressive photon maps: schedule of radii, independence of passes, constant memory, and an error, bias
+ * included, that decreases with the number of passes.
  */
 #include "rendering.h"
 
@@ -11,7 +11,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** A floor with free edges, a block on it and a lamp over it: bias wherever the photons end. */
+/** A floor with free edges, a block on it and a lamp above: bias at every boundary of the photons. */
 std::string blockOnFloor() {
   return view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
@@ -50,7 +50,8 @@ std::vector<Rgb> radiances(const Scene& scene, const Integrator& integrator) {
 } // namespace
 
 TEST(Progressive, EmitsMorePhotonsWhereFewAreStored) {
-  // In a closed ball a photon is stored at every second surface or so; over a floor most escape before.
+  // In a closed ball about every second hit of a surface stores a photon; over a floor most photons escape
+  // first.
   const std::string ball = view(4, "0 0 0  1 0 0  0 0 1", 60) +
                            "LightSource \"point\"\nMaterial \"diffuse\" "
                            "\"rgb reflectance\" [ .5 .5 .5 ]\nShape \"sphere\" \"float radius\" 1\n";
@@ -108,8 +109,8 @@ TEST(Progressive, MemoryDoesNotGrow) {
 TEST(Progressive, ErrorFallsWithThePasses) {
   const auto scene = sceneFrom(blockOnFloor());
   const Rendered truth = renderScene(*scene, "path", "", samples(4096));
-  // Bias and variance both fall as n^(-2/3) for alpha = 2/3 and a kernel estimate in the plane; mean of three
-  // renders, for a single one's error is itself a random number.
+  // Bias and variance both decrease as n^(-2/3) for alpha = 2/3 and a kernel estimate in the plane; mean of
+  // three renders, because the error of a single one is random.
   double few = 0, many = 0;
   constexpr int FEW = 4, MANY = SANITIZED ? 32 : 120;
   for (uint64_t seed = 1; seed <= 3; ++seed) {

@@ -8,7 +8,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** The inside of a cube of edge 2, `walls` before each wall of two triangles. */
+/** The inside of a cube of edge 2; `walls` precedes each wall of two triangles. */
 std::string box(const std::string& walls) {
   const auto wall = [](const char* points) {
     return "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ " +
@@ -19,7 +19,7 @@ std::string box(const std::string& walls) {
          wall("-1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1") + wall("1 -1 -1  1 -1 1  1 1 1  1 1 -1");
 }
 
-/** A room of triangles that a lamp lights, 2 wide, open to the camera. */
+/** A room of triangles with a lamp, 2 wide, open to the camera. */
 std::string mattRoom(const std::string& things) {
   return view(16, "0 -2.8 .1  0 0 0  0 0 1", 50) + R"(
 AttributeBegin
@@ -37,8 +37,8 @@ Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 
 
 } // namespace
 
-/** Where all emits E and reflects ρ, all that is seen is E / (1 - ρ): in an empty box, and beside two cubes
- * that touch at a corner. */
+/** If all surfaces emit E and reflect ρ, the radiance is E / (1 - ρ) everywhere: in an empty box, and with
+ * two cubes that touch at a corner. */
 TEST(Radiosity, FurnaceOfAClosedBox) {
   const ThreadPool pool;
   const auto cube = [](const char* place) {
@@ -56,7 +56,7 @@ TEST(Radiosity, FurnaceOfAClosedBox) {
         *scene, "radiosity", "\"float patchsize\" .5 \"integer rays\" " + std::to_string(samples(400000)),
         samples(64));
     for (size_t p = 0; p < r.pixels(); ++p) {
-      // The direct light of a pixel has noise of its own.
+      // The direct light of a pixel is noisy.
       EXPECT_NEAR(r.value(p).g, 1 / (1 - albedo), (SANITIZED ? 0.3 : 0.06) / (1 - albedo)) << albedo;
       EXPECT_NEAR(r.value(p).b, 1, 1e-5);
     }
@@ -64,7 +64,7 @@ TEST(Radiosity, FurnaceOfAClosedBox) {
   }
 }
 
-/** The same inside of other shapes, and where patches of unlike shapes meet. */
+/** Furnace inside of further shapes, also with edges between different kinds of patches. */
 TEST(Radiosity, FurnaceOfShapes) {
   const ThreadPool pool;
   const std::string inside = "ReverseOrientation\n";

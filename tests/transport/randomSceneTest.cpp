@@ -1,7 +1,7 @@
 /** @file
- * Small random scenes by every integrator: none ends the program, and nothing that is not finite comes to the
- * film. RECURSE_RANDOM_SCENES="1000 2000" takes those of seeds 1000 to 1999 instead of the first ones; the
- * last one is left in the file random-scene.pbrt of the current folder.
+ * Small random scenes by every integrator: none ends the program, and no value on the film is infinite or
+ * NaN. RECURSE_RANDOM_SCENES="1000 2000" renders the scenes of seeds 1000 to 1999 instead of the first ones;
+ * the last scene remains in the file random-scene.pbrt of the current folder.
  */
 #include <cstdlib>
 #include <ctime>
@@ -22,11 +22,11 @@ using namespace recurse::testing;
 namespace {
 
 struct Outcome {
-  std::string refusal; ///< the error that a user would get; empty: it was rendered
-  std::string unsound; ///< what must not be
+  std::string refusal; ///< error message for a user; empty: rendered
+  std::string unsound; ///< description of an unsound result
 };
 
-/** Filters of negative lobes make pixels negative, but nothing makes them infinite. */
+/** Filters with negative lobes make pixels negative, but never infinite. */
 std::string unsoundnessOf(const Rendered& r) {
   if (r.statistics.counts.nonFinite > 0 || r.statistics.photonsRefused > 0) return r.unsound();
   for (size_t layer = 0; layer < r.film.layerCount(); ++layer)
@@ -47,7 +47,7 @@ Outcome outcomeOf(const RandomScene& scene, uint64_t seed) {
   }
 }
 
-/** The most photons of indirect light that lie in the very same point. */
+/** Largest number of photons of indirect light at exactly the same point. */
 size_t mostInOnePoint(const Scene& scene) {
   ShootSettings settings;
   settings.photons = 256;
@@ -64,13 +64,13 @@ size_t mostInOnePoint(const Scene& scene) {
 
 TEST(RandomScenes, SomeHaveManyPhotonsInOnePoint) {
   constexpr uint64_t END = 1000;
-  constexpr size_t MANY = 40; // more than a search for the nearest looks for at first
+  constexpr size_t MANY = 40; // more than the initial capacity of a nearest-neighbour search
   for (uint64_t seed = 0; seed < END; ++seed) {
     const RandomScene scene = RandomSceneWriter(seed).write();
     if (!scene.hasPencil) continue;
     try {
       if (mostInOnePoint(*sceneFrom(scene.text, RECURSE_SOURCE_DIR)) >= MANY) return;
-    } catch (const Error&) { // a scene that is refused
+    } catch (const Error&) { // a refused scene
     }
   }
   FAIL() << "none of " << END;

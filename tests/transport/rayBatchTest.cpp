@@ -1,5 +1,5 @@
 /** @file
- * Rays and eye paths in batches against the same ones alone.
+ * Rays and camera paths in batches against single ones.
  */
 #include <random>
 
@@ -10,7 +10,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Every way in which a surface can meet a ray: triangles, user geometry, instances of both, holes. */
+/** Every kind of intersection: triangles, user geometry, instances of both, holes. */
 const std::string ROOM = view(16, "0 -3 1.5  0 0 .8  0 0 1", 60) + R"(
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [8 8 8]
@@ -114,13 +114,13 @@ TEST(RayBatch, ShadowsAreThoseOfSingleRays) {
   }
 }
 
-/** Rounding may send one of many walks another way; a mix-up of walks would show in nearly all of them. */
+/** Rounding may change one of many walks; mixing up walks would change nearly all of them. */
 TEST(RayBatch, WalksDoNotTouchEachOther) {
   const auto scene = sceneFrom(ROOM);
   const auto integrator = integratorFrom("path", "");
   const PathClasses classes;
   TransportCounts counts;
-  constexpr size_t COUNT = 300; // more than a batch
+  constexpr size_t COUNT = 300; // more than one batch
   std::vector<PathRadiance> together(COUNT, PathRadiance(classes, counts));
   std::vector<CameraPath> paths;
   size_t differing = 0, lit = 0;

@@ -1,6 +1,6 @@
 /** @file
- * When a render ends, how long its rounds are, when it looks at its error, and what it says of its progress:
- * all from given times.
+ * Schedule of a render from given times: its end, the length of its rounds, the checks of its error, and its
+ * reports of progress.
  */
 #include <gtest/gtest.h>
 #include <set>
@@ -13,7 +13,7 @@ using namespace recurse;
 
 namespace {
 
-/** Ends after 10 s; the first sample may take 3 s more. */
+/** Limit of 10 s; the first sample may take 3 s more. */
 RenderSettings tenSeconds() {
   RenderSettings settings;
   settings.timeLimit = 10;
@@ -21,7 +21,7 @@ RenderSettings tenSeconds() {
   return settings;
 }
 
-/** The first time in quarters of a second at which the time is up; -1: not within an hour. */
+/** First time in quarters of a second at which the time limit is reached; -1: not within an hour. */
 double endOf(const StopRule& rule) {
   for (int quarter = 0; quarter < 4 * 3600; ++quarter)
     if (rule.isTimeUp(quarter / 4.)) return quarter / 4.;
@@ -42,7 +42,7 @@ TEST(StopRule, WithoutALimitTimeIsNeverUp) {
 
 TEST(StopRule, TheFirstSampleMayTakeLonger) {
   StopRule rule(tenSeconds(), false);
-  EXPECT_EQ(endOf(rule), -1); // photons are made to their end
+  EXPECT_EQ(endOf(rule), -1); // photon passes are completed
   rule.beginFirstSample(4);
   EXPECT_EQ(endOf(rule), 13.25);
   EXPECT_EQ(rule.timeLeft(4), 6);
@@ -54,7 +54,7 @@ TEST(StopRule, TheFirstSampleHasItsTimeAfterPhotonsThatTookAllOfIt) {
   StopRule rule(tenSeconds(), false);
   rule.beginFirstSample(60);
   EXPECT_EQ(endOf(rule), 63.25);
-  rule.beginFirstSample(62); // a poll that comes again moves nothing
+  rule.beginFirstSample(62); // a second call has no effect
   EXPECT_EQ(endOf(rule), 63.25);
 }
 
@@ -85,7 +85,7 @@ TEST(StopRule, AnInterruptComesBeforeTheErrorAndThatBeforeTheTime) {
   EXPECT_EQ(rule.reason(false, 0.2, true), StopReason::SAMPLES);
   EXPECT_EQ(rule.reason(false, 0.2, false), StopReason::TIME);
   EXPECT_TRUE(rule.isErrorReached(0.1));
-  EXPECT_FALSE(rule.isErrorReached(-1));                         // not known
+  EXPECT_FALSE(rule.isErrorReached(-1));                         // unknown error
   EXPECT_FALSE(StopRule(tenSeconds(), false).isErrorReached(0)); // no target
 }
 
@@ -99,7 +99,7 @@ TEST(StopRule, ErrorsAreEstimatedSoSeldomThatTheyCostLittle) {
   EXPECT_EQ(watch.samples(), 64);
   EXPECT_FALSE(watch.isDue(142));
   EXPECT_TRUE(watch.isDue(143));
-  watch.add(NAN, 1, 143, 143.001); // says nothing, and was cheap
+  watch.add(NAN, 1, 143, 143.001); // an undefined estimate that took little time
   EXPECT_EQ(watch.error(), 0.3);
   EXPECT_FALSE(watch.isDue(143.4));
   EXPECT_TRUE(watch.isDue(143.6));
@@ -126,9 +126,9 @@ TEST(RoundSchedule, RoundsGrowWithTheSamplesThatThereAre) {
 
 TEST(RoundSchedule, RoundsEndWithinTheTime) {
   RoundSchedule schedule(0);
-  schedule.addRound(4, 2); // half a second a sample
+  schedule.addRound(4, 2); // half a second per sample
   EXPECT_EQ(schedule.roundLength(32, 100), 32);
-  EXPECT_EQ(schedule.roundLength(32, 10), 10); // half of what fits
+  EXPECT_EQ(schedule.roundLength(32, 10), 10); // half of the samples that fit
   EXPECT_EQ(schedule.roundLength(32, 0.6), 1);
   EXPECT_EQ(schedule.roundLength(32, 0.4), 0);
   EXPECT_EQ(schedule.roundLength(32, INFINITY), 32);
@@ -136,7 +136,7 @@ TEST(RoundSchedule, RoundsEndWithinTheTime) {
 
 TEST(RoundSchedule, PhotonMapsThatWouldNotBeReadyAreNotBegun) {
   RoundSchedule schedule(0);
-  EXPECT_TRUE(schedule.isPassInTime(0.1)); // nothing is known
+  EXPECT_TRUE(schedule.isPassInTime(0.1)); // no pass has been timed
   schedule.addPass(2);
   schedule.addPass(4);
   EXPECT_TRUE(schedule.isPassInTime(3));
@@ -159,19 +159,19 @@ TEST(ProgressEstimate, TheFirstOfAllLimitsCounts) {
   PictureState state;
   state.elapsed = 30;
   state.working = 20;
-  state.samplesBefore = 60; // of an earlier process, which took another time for them
+  state.samplesBefore = 60; // from an earlier process, which took a different time for them
   state.samplesDone = 40;
   EXPECT_EQ(secondsLeft(state, settings), INFINITY);
   state.samplesLeft = 400;
   EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 200);
   settings.errorTarget = 0.1;
-  EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 200); // no error is known
-  state.error = 0.2;                                   // four times as many samples as there were then
+  EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 200); // unknown error
+  state.error = 0.2; // the target needs four times as many samples as were taken at that error
   state.errorSamples = 80;
   EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 110);
   settings.timeLimit = 100;
   EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 70);
-  settings.timeLimit = 10; // over
+  settings.timeLimit = 10; // in the past
   EXPECT_DOUBLE_EQ(secondsLeft(state, settings), 0);
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Small renders for the tests of transport: what is not finite fails the test.
+ * Small renders for the tests of transport: values that are not finite fail the test.
  */
 #pragma once
 
@@ -30,7 +30,7 @@ inline std::string view(int size, const std::string& lookAt, double fov) {
   return view(size, size, lookAt, perspective(fov));
 }
 
-/** A floor, a wall and a small lamp in front of them. */
+/** A floor and a wall with a small lamp in front of them. */
 inline std::string litCorner(int size) {
   return view(size, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
@@ -41,7 +41,7 @@ Shape "sphere" "float radius" .2
 )";
 }
 
-/** The mean of many independent values, with its standard error. */
+/** Mean of independent values, with its standard error. */
 struct Mean {
   explicit Mean(const std::vector<double>& values) {
     const auto n = double(values.size());
@@ -53,7 +53,7 @@ struct Mean {
   double value = 0, error = 0;
 };
 
-/** An integrator and its parameters. */
+/** Integrator with its parameters. */
 struct Way {
   std::string integrator, parameters;
 };
@@ -65,11 +65,9 @@ inline bool hasParameter(const std::string& integrator, const std::string& name)
   return false;
 }
 
-/**
- * The ways of estimating the whole of light transport: the integrators of the registry that claim all paths
- * and suppose nothing, without those that are another name of one, as they are by default; and photonmap with
- * one map of so many photons. Progressive ones emit as many in 16 passes.
- */
+/** Ways to estimate all light transport: the integrators of the registry that claim all paths without
+ * assumptions, with default parameters and without aliases, and photonmap with one map of the given number of
+ * photons. Progressive integrators emit the same number in 16 passes. */
 inline std::vector<Way> allWays(const std::string& photons) {
   std::vector<Way> ways;
   const std::string progressive =
@@ -78,7 +76,7 @@ inline std::vector<Way> allWays(const std::string& photons) {
   for (const auto& entry : plugIns().integrators.entries()) {
     const auto made = integratorFrom(entry.name, "");
     const Integrator& integrator = *made;
-    const bool isTextbook = entry.name == "simplephotonmap"; // one wide search, whose blur is seen
+    const bool isTextbook = entry.name == "simplephotonmap"; // a single wide search, whose blur is visible
     if (integrator.claims().empty() && integrator.suppositions().empty() && !isTextbook &&
         known.insert(typeid(integrator)).second)
       ways.push_back({entry.name, hasParameter(entry.name, "photons") && hasParameter(entry.name, "passes")
@@ -93,7 +91,8 @@ inline std::vector<Way> allWays(const std::string& photons) {
   return ways;
 }
 
-/** Those of them that have light paths for all samples, or none: others take long for many samples. */
+/** Ways of allWays() whose light paths do not depend on the number of samples: the rest take long for many
+ * samples. */
 inline std::vector<Way> quickWays(const std::string& photons) {
   std::vector<Way> ways = allWays(photons);
   std::erase_if(ways, [](const Way& way) {
@@ -102,8 +101,8 @@ inline std::vector<Way> quickWays(const std::string& photons) {
   return ways;
 }
 
-/** All of them; under sanitizers every third, for the next scene beginning with the next one: what they
- * execute is in the way much more than in the scene. */
+/** All ways; under sanitizers every third way, with an offset that depends on the scene, because the executed
+ * code depends on the way much more than on the scene. */
 inline std::vector<Way> dealt(const std::vector<Way>& ways, size_t scene) {
   if (!SANITIZED) return ways;
   constexpr size_t STRIDE = 3;
@@ -112,7 +111,7 @@ inline std::vector<Way> dealt(const std::vector<Way>& ways, size_t scene) {
   return some;
 }
 
-/** The way estimates light by a map of photons, which others do not blur. */
+/** Whether the way reads photon maps and has their blur. */
 inline bool readsPhotons(const Way& way) {
   return hasParameter(way.integrator, "gatherphotons") &&
          way.parameters.find("causticsonly") == std::string::npos;

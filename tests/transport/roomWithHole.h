@@ -1,5 +1,5 @@
 /** @file
- * A closed room whose only light comes in by a hole in its roof.
+ * A closed room whose only light enters through a hole in its roof.
  */
 #pragma once
 
@@ -7,9 +7,9 @@
 
 namespace recurse::testing {
 
-constexpr float HOLE_HALF_WIDTH = 0.2f; ///< of the hole, at 1.25 above the middle
+constexpr float HOLE_HALF_WIDTH = 0.2f; ///< half width of the hole, which is 1.25 above the centre
 
-/** The same light from all around. `pane`: more shapes. */
+/** Room in uniform light from all directions. `pane`: more shapes. */
 inline std::string roomWithHole(int width, const std::string& pane = "") {
   return view(width, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
 LightSource "infinite" "rgb L" [1 1 1]
@@ -21,7 +21,7 @@ Shape "trianglemesh" "integer indices" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 
 )" + pane;
 }
 
-/** Whether the line of a ray crosses the roof within the hole; the room's middle is at `center`. */
+/** Whether the line of a ray crosses the roof within the hole; `center`: centre of the room. */
 inline bool crossesHole(const Vec3f& origin, const Vec3f& direction, const Vec3f& center) {
   const Vec3f at = origin + direction * ((center.y + 1.25f - origin.y) / direction.y) - center;
   return std::abs(at.x) < HOLE_HALF_WIDTH && std::abs(at.z) < HOLE_HALF_WIDTH;

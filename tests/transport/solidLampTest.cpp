@@ -1,5 +1,5 @@
 /** @file
- * Solids that shine, beside lamps of the surfaces that they are made of.
+ * Emissive solids, against lamps made of their surfaces.
  */
 #include "rendering.h"
 
@@ -8,7 +8,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Half a spheroid and its disc over a floor, which an eye below the lamp sees. */
+/** Half a spheroid and its disc above a floor, with the camera below the lamp. */
 std::string floorUnderLamp(const std::string& lamp) {
   return "Film \"rgb\" \"integer xresolution\" 4 \"integer yresolution\" 4\nPixelFilter \"box\"\n"
          "LookAt 0 0 .5  0 0 0  0 1 0 Camera \"orthographic\" \"float screenwindow\" [-2 2 -2 2]\n"
@@ -36,7 +36,7 @@ TEST(SolidLamp, LightsAsItsSurfacesDo) {
       const Rendered picture = renderText(floorUnderLamp(lamp), way.integrator, way.parameters,
                                           way.integrator == std::string("bdpt") ? 4096 : 16384);
       EXPECT_NEAR(picture.mean(), expected.mean(), 0.015 * expected.mean()) << operands << way.integrator;
-      if (way.integrator != std::string("path")) continue; // noisy in a pixel
+      if (way.integrator != std::string("path")) continue; // single pixels are noisy
       for (size_t i = 0; i < expected.pixels(); ++i)
         EXPECT_NEAR(picture.value(i).g, expected.value(i).g, 0.08f * expected.value(i).g)
             << operands << way.integrator << i;

@@ -1,6 +1,6 @@
 /** @file
- * Light through solids made of solids: a lens focuses where the lensmaker's equation says, a solid looks like
- * its mesh, and the caustic of glass that moves is the same by paths and by photons.
+ * Light through constructive solids: a lens has its focus by the lensmaker's equation, a solid looks like its
+ * mesh, and the caustic of moving glass is the same by paths and by photons.
  */
 #include "classRendering.h"
 
@@ -9,13 +9,13 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Root mean square distance from the axis of what a plano-convex lens of radius 1 throws on a screen so far
- * below its flat side. */
+/** Root mean square distance from the axis of the light behind a plano-convex lens of radius 1, on a screen
+ * at the distance `below` from its flat side. */
 double spotRadius(double below) {
   constexpr int SIZE = 32;
   constexpr double HALF = .08;
   const std::string n = std::to_string(SIZE), w = std::to_string(HALF), z = std::to_string(-below);
-  const std::string aperture = ".1", height = ".00501256289"; // 1 - sqrt(1 - .1²), of the dome
+  const std::string aperture = ".1", height = ".00501256289"; // height of the dome, 1 - sqrt(1 - .1²)
   const Rendered picture = renderText(
       "Film \"rgb\" \"integer xresolution\" " + n + " \"integer yresolution\" " + n +
           "\nPixelFilter \"box\"\nLookAt 0 0 -.5  0 0 -1  0 1 0\n"
@@ -47,18 +47,19 @@ double spotRadius(double below) {
       moment += v * (px * px + py * py);
     }
   EXPECT_GT(light, 0);
-  const double pixel = 2 * HALF / SIZE; // whose own width is in the picture, too
+  const double pixel = 2 * HALF / SIZE; // the second moment includes the width of a pixel
   return std::sqrt(moment / light - pixel * pixel / 6);
 }
 
 } // namespace
 
 TEST(SolidOptics, ALensFocusesWhereTheLensmakersEquationSays) {
-  // Light goes on to a point: its radius is a linear function of the distance, with opposite sign beyond.
+  // Light converges to a point: the radius is a linear function of the distance, with opposite sign beyond.
   const double before = 1.4, beyond = 2.6;
   const double a = spotRadius(before), b = spotRadius(beyond);
   const double focus = (before * b + beyond * a) / (a + b);
-  // 1 / f = (n - 1) / r; from the flat side the focus is nearer by what the glass's thickness makes.
+  // 1 / f = (n - 1) / r; measured from the flat side the focal distance is shorter because of the thickness
+  // of the glass.
   const double thickness = 1 - std::sqrt(1 - .01), expected = 1 / .5 - thickness / 1.5;
   EXPECT_NEAR(focus, expected, .01 * expected);
   EXPECT_NEAR(a, .1 / std::sqrt(2.0) * (1 - before / expected), .03 * a);
@@ -75,7 +76,7 @@ TEST(SolidOptics, ASolidLooksLikeItsMesh) {
       "ObjectBegin \"cut\" Shape \"box\" \"point3 p1\" [.5 .5 -1] \"point3 p2\" [2 2 2] ObjectEnd\n"
       "Shape \"csg\" \"string operation\" \"difference\" \"string operands\" [\"cube\" \"cut\"] "
       "\"bool onematerial\" true\n";
-  // Floor and roof are three squares each; walls go around.
+  // Floor and roof are three squares each, with walls around them.
   const std::string mesh =
       "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 .5 0 .5 .5 0 .5 1 0 0 1 0  "
       "0 0 1 1 0 1 1 .5 1 .5 .5 1 .5 1 1 0 1 1] \"integer indices\" [6 7 9 7 8 9 6 9 11 9 10 11  "

@@ -1,5 +1,5 @@
 /** @file
- * Photons much stronger than most, which are split where they are seen.
+ * Photons of large flux, which are split in the visible region.
  */
 #include <tuple>
 
@@ -10,7 +10,8 @@ using namespace recurse;
 using namespace recurse::testing;
 
 TEST(StrongPhotons, AreUnbiasedWhereLightComesOffAWideGround) {
-  // What a wall sees of the sunny ground through its window reaches far: photons start there sparsely.
+  // The part of the sunlit ground that a wall sees through its window is large, so the density of emission
+  // towards it is low.
   const std::string room = view(16, "3.5 1.5 3.5  -3 1 -1  0 1 0", 70) + R"(
 LightSource "infinite" "rgb L" [.5 .6 .8]
 LightSource "distant" "point3 from" [-3 3 1] "rgb L" [8 7 6]
@@ -26,7 +27,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3  4 5 6 4 6 7  8 9 10 8 10 11
   const Rendered path = renderText(room, "path", "", 16 * COUNT);
   const Rendered photons = renderText(room, "photonmap", "", COUNT);
   const double error = std::hypot(path.standardError(), photons.standardError());
-  if (SANITIZED) return; // the noise of so few samples hides light that is counted twice
+  if (SANITIZED) return; // the noise of few samples hides light that is counted twice
   EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.01 + 3 * error / path.mean());
   EXPECT_LT(error / path.mean(), 0.03) << photons.mean() << " " << path.mean() << " " << error;
 }
@@ -41,7 +42,7 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
   settings.direct = false;
   settings.region = &everywhere;
   struct Shot {
-    std::vector<double> fluxes; ///< by pass
+    std::vector<double> fluxes; ///< flux of each pass
     size_t count = 0;
     float strongest = 0;
   };
@@ -70,7 +71,8 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
 }
 
 TEST(StrongPhotons, FollowAMirrorOnlyOnceWhereTheyAreSplit) {
-  // What a coat mirrors has one direction, and all copies of a photon would come to one point.
+  // The coat's mirror reflection has a single direction, so all copies of a photon would arrive at the same
+  // point.
   const auto scene = sceneFrom(view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
 LightSource "spot" "point3 from" [ 0 -1 1 ] "point3 to" [ 0 0 0 ] "rgb I" [ 9 9 9 ]
 Material "coateddiffuse" "float roughness" 0 "rgb reflectance" [ .5 .5 .5 ]
@@ -85,7 +87,7 @@ Shape "bilinearmesh" "point3 P" [ -2 2 0  2 2 0  -2 2 4  2 2 4 ]
   settings.direct = false;
   settings.region = &everywhere;
   struct Shot {
-    double flux = 0, squares = 0; ///< of all photons, and sum of their squares
+    double flux = 0, squares = 0; ///< flux of all photons, and sum of squares
     size_t coincident = 0;
     float strongest = 0;
   };

@@ -1,6 +1,6 @@
 /** @file
- * Subsurface materials against the dielectric and the medium that they stand for, and against random walks in
- * a half-space.
+ * Subsurface materials against explicit scenes of dielectric and medium, and against random walks in a
+ * half-space.
  */
 #include <random>
 
@@ -36,7 +36,7 @@ void expectColour(const Rgb& value, const Rgbd& expected, const std::string& wha
     EXPECT_NEAR(double(value[c]) / expected[c], 1, 1e-5) << what << " channel " << c;
 }
 
-/** Of diffuse light that has entered a half-space, the part that comes out. */
+/** Fraction of diffuse light that leaves a half-space after entering it. */
 double partThatComesOut(double albedo, double g, double eta) {
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -55,7 +55,7 @@ double partThatComesOut(double albedo, double g, double eta) {
         const double back = fresnel(-down, 1 / eta);
         out += weight * (1 - back);
         weight *= back;
-        // On from the boundary: the length of a flight has no memory.
+        // Continues from the boundary: free path lengths are memoryless.
         depth = 0;
         down = -down;
         continue;
@@ -102,11 +102,12 @@ TEST(Subsurface, CoefficientsAreThoseThatAreAskedFor) {
   expectColour(insideOf("\"string name\" \"White Grapefruit Juice\"").absorption, {.0138, .018831, .056781},
                "juice");
   for (const std::string& name : mediumPresetNames()) insideOf("\"string name\" \"" + name + "\"");
-  // Of reflectance and mean free path, the extinction is one over the path, which `scale` multiplies.
+  // For a reflectance and a mean free path, the extinction is the inverse of the path, which `scale`
+  // multiplies.
   const std::string path = "\"rgb reflectance\" [.2 .5 .9] \"rgb mfp\" [.1 .2 .4] ";
   expectColour(insideOf(path).extinction(), {10, 5, 2.5}, "mfp");
   expectColour(insideOf(path + "\"float scale\" 2").extinction(), {5, 2.5, 1.25}, "scaled");
-  // Nothing comes back of what only absorbs, all of what only scatters.
+  // The reflectance 0 means only absorption, 1 only scattering.
   const MediumPoint ends = insideOf("\"rgb reflectance\" [0 1 .5]");
   EXPECT_NEAR(ends.scattering.r, 0, 1e-6);
   EXPECT_NEAR(ends.absorption.g, 0, 1e-6);
@@ -121,7 +122,7 @@ TEST(Subsurface, ReflectanceComesOutOfAHalfSpace) {
       const Rgbd wanted(.3, .6, .9);
       for (int c = 0; c < 3; ++c) {
         const double albedo = double(inside.scattering[c] / inside.extinction()[c]);
-        // Light that has been refracted goes deeper than diffuse light, which the formulas are for.
+        // Refracted light goes deeper than diffuse light, for which the formulas are derived.
         EXPECT_NEAR(partThatComesOut(albedo, g, eta), wanted[c], .045) << numbers << " channel " << c;
       }
     }

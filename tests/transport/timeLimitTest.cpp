@@ -1,6 +1,5 @@
 /** @file
- * Renders end when their time is up or somebody says so, in the middle of a sample as well, and leave no
- * bands.
+ * Renders stop at the time limit or at an interrupt, even within a sample, and leave no bands.
  */
 #include <limits>
 #include <memory>
@@ -29,7 +28,7 @@ Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
 )";
 
-/** Nothing is lost: paths are a thousand vertices long, and each is connected with each. */
+/** Lossless scene: paths have a thousand vertices, and each is connected with each. */
 const char* const WHITE_BALL = R"(
 Film "rgb" "integer xresolution" 64 "integer yresolution" 64
 Camera "perspective" "float fov" 50
@@ -57,17 +56,17 @@ TimedRender renderTimed(const std::string& integrator, const std::string& parame
   return out;
 }
 
-/** Bound [s] of what ends at once on any machine; without an end in time it would take minutes more. */
+/** Bound [s] of an immediate stop on any machine; without it the render would take minutes more. */
 constexpr double AT_ONCE = 60;
 
-// Each sample of a pixel takes seconds by these, and a batch of them minutes.
+// Integrators for which each sample of a pixel takes seconds, and a batch minutes.
 const std::pair<const char*, const char*> SLOW[] = {
     {"path", "\"integer lightsamples\" 1000000"},
     {"photonmap", "\"integer photons\" 1000 \"integer lightsamples\" 1000000"},
     {"photonmap", "\"integer photons\" 1000 \"integer finalgather\" 100000"},
 };
 
-/** Its first pass takes `first` seconds, as one that learns does, and each later one `later`, unless it is
+/** The first pass takes `first` seconds, as with learning, and each later pass `later`, unless it is
  * stopped. */
 class SlowPasses : public Integrator {
  public:
@@ -85,7 +84,7 @@ class SlowPasses : public Integrator {
   void backward(const Scene&, const CameraRay&, Sampler&, PathRadiance&) const override {}
   std::vector<EstimatorDomain> domains() const override { return {}; }
 
-  uint32_t lastPass = std::numeric_limits<uint32_t>::max(); ///< sets `stop`
+  uint32_t lastPass = std::numeric_limits<uint32_t>::max(); ///< the pass that sets `stop`
   std::atomic<bool> stop{false};
 
  private:
@@ -101,7 +100,7 @@ RenderStatistics renderSlowPasses(SlowPasses& integrator, double limit) {
   return render(*scene, integrator, PathClasses(), settings, film, integrator.stop, {}, {});
 }
 
-/** Path tracing that asks for the end of the render with its n-th camera path. */
+/** Path tracing that interrupts the render at its n-th camera path. */
 class StoppingPaths : public Integrator {
  public:
   explicit StoppingPaths(int64_t count) : paths(integratorFrom("path", "")), left(count) {}
@@ -125,7 +124,7 @@ class StoppingPaths : public Integrator {
   mutable std::atomic<int64_t> left;
 };
 
-/** Its first pass learns in loops that look at nothing, for ten minutes. */
+/** The first pass learns for ten minutes without checking for a stop. */
 class SlowLearner : public Integrator {
  public:
   ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
@@ -138,7 +137,7 @@ class SlowLearner : public Integrator {
   std::vector<EstimatorDomain> domains() const override { return {}; }
 };
 
-/** Its camera paths trace rays without end, of which the first asks for the end of the render. */
+/** Camera paths trace rays without end; the first one interrupts the render. */
 class EndlessRays : public Integrator {
  public:
   Passes passes(int) const override { return Passes::oneMap(); }
@@ -157,12 +156,12 @@ class EndlessRays : public Integrator {
   mutable std::atomic<int> pathsToTheEnd{0};
 
  private:
-  static constexpr int64_t MANY = 1'000'000'000; // minutes, on any machine
+  static constexpr int64_t MANY = 1'000'000'000; // takes minutes on any machine
 };
 
 } // namespace
 
-// Were later passes taken for as long as the first one, none would be begun in the time that is left.
+// If the first pass were the estimate for later ones, none would start in the remaining time.
 TEST(TimeLimit, IsUsedAfterAFirstPassThatTookMostOfIt) {
   SlowPasses integrator(3, 0.001);
   integrator.lastPass = 3;
@@ -247,8 +246,9 @@ TEST(TimeLimit, EndsConnectionsWithinASample) {
     }
 }
 
-// A round that is broken off leaves half of its samples. That happens where the machine halts the process for
-// long, but not each time; few samples, or so many that half a round is little, tell nothing.
+// An interrupted round leaves half of the pixels with fewer samples. This happens if the machine suspends the
+// process for long, but not each time; renders with few samples, or with so short rounds that they hide it,
+// are not counted.
 TEST(TimeLimit, LeavesPixelsWithEquallyManySamples) {
   const std::atomic<bool> stop{false};
   int renders = 0, even = 0;
@@ -274,13 +274,13 @@ TEST(TimeLimit, LeavesPixelsWithEquallyManySamples) {
   EXPECT_EQ(even, 3) << "of " << renders;
 }
 
-/** What was broken off is taken again: the picture is the same to the bit. */
+/** An interrupted round is rendered again: the picture has the same bits. */
 TEST(TimeLimit, RendersThatWereStoppedGoOnWithTheSamePicture) {
   const auto scene = sceneFrom(LIT_FLOOR);
   const PathClasses classes;
   for (const bool adaptive : {false, true}) {
     int stops = 0;
-    const auto renderIn = [&](int64_t paths) { // between stops, at first
+    const auto renderIn = [&](int64_t paths) { // initial number of paths between stops
       Film film(scene->film().crop, 1);
       std::optional<SampleAllocation> allocation;
       if (adaptive) allocation.emplace(film.bounds());
@@ -350,7 +350,7 @@ TEST(TimeLimit, TheFirstSampleGoesFromCoarseToFine) {
 
 TEST(TimeLimit, PixelsWithoutASampleShowTheNearestThatHasOne) {
   Film film({0, 0, 5, 3}, 1);
-  EXPECT_EQ(film.nearestSampled(1)[7], 7u); // none has one
+  EXPECT_EQ(film.nearestSampled(1)[7], 7u); // no pixel has a sample
   const Rgb white(1);
   film.add(6, 0, 1, &white, white);
   EXPECT_EQ(film.nearestSampled(2), (std::vector<size_t>{6, 6, 6, 3, 4, 6, 6, 6, 6, 9, 6, 6, 6, 13, 14}));
@@ -359,7 +359,7 @@ TEST(TimeLimit, PixelsWithoutASampleShowTheNearestThatHasOne) {
 }
 
 TEST(TimeLimit, TexturesAreAsSharpAsWithTheScenesNumberOfSamples) {
-  // White and black meet between pixels 7 and 8; as wide as a pixel, the filter would carry 1/8 over.
+  // White and black meet between pixels 7 and 8; a filter of a pixel's width would carry 1/8 across.
   const auto scene = sceneFrom(R"(
 Film "rgb" "integer xresolution" 16 "integer yresolution" 4
 PixelFilter "box"
@@ -388,7 +388,7 @@ Shape "bilinearmesh" "point3 P" [ -1 -9 0  1 -9 0  -1 9 0  1 9 0 ] "point2 uv" [
 }
 
 TEST(TimeLimit, EndsWhatIsLearnedOfLights) {
-  // Each ray meets all of many lamps, and there are 18,000 of them before the first sample.
+  // Each ray intersects many lamps, and learning takes 18,000 rays before the first sample.
   std::string text = R"(
 Film "rgb" "integer xresolution" 96 "integer yresolution" 96
 LookAt 0 0 -5  0 0 0  0 1 0

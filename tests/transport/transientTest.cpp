@@ -1,5 +1,5 @@
 /** @file
- * Transient renders: layers of the film by the optical length of paths. The layers add up to the picture, the
+ * Transient renders: layers of the film by the optical length of paths. The layers add up to the picture,
  * frames of a light pulse have closed forms, and all estimators agree frame by frame.
  */
 #include "classRendering.h"
@@ -9,7 +9,8 @@ namespace {
 
 using namespace recurse::testing;
 
-/** Layers of a film of one class: the picture, light before all frames, the frames, light after them. */
+/** Layers of a film of one class: the picture, light before all frames, the frames, light after all
+ * frames. */
 constexpr size_t BEFORE = 1, FIRST_FRAME = 2;
 
 PathClasses framed(const TransientFrames& frames, const std::string& paths = "all") {
@@ -18,7 +19,8 @@ PathClasses framed(const TransientFrames& frames, const std::string& paths = "al
   return classes;
 }
 
-/** The largest difference between the picture and the sum of its other layers, over the brightest value. */
+/** Largest difference between the picture and the sum of its other layers, relative to the brightest
+ * value. */
 double excess(const Rendered& r) {
   double brightest = 0, largest = 0;
   for (size_t p = 0; p < r.pixels(); ++p)
@@ -39,11 +41,11 @@ const std::string FLOOR = "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]
 const std::string LAMP = "LightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ 0 0 1 ]\n";
 const std::string SLAB = "Material \"dielectric\" \"float eta\" 1.5\nShape \"box\" \"point3 p1\" [ -9 -9 2 ] "
                          "\"point3 p2\" [ 9 9 3 ]\n";
-constexpr double SLAB_DELAY = .5;            ///< (n - 1) times its thickness
-constexpr double SLAB_TRANSMITS = .96 * .96; ///< (1 - ((n - 1)/(n + 1))²)², without reflections inside
+constexpr double SLAB_DELAY = .5;            ///< (n - 1) times the thickness
+constexpr double SLAB_TRANSMITS = .96 * .96; ///< (1 - ((n - 1)/(n + 1))²)², without internal reflections
 constexpr double CAMERA_HEIGHT = 5;
 
-/** Parallel rays straight down that start at the camera's height. */
+/** Parallel vertical rays that start at the camera's height. */
 std::string fromAbove(const std::string& world) {
   return view(SIZE, SIZE, "0 0 5  0 0 0  0 1 0",
               "Camera \"orthographic\" \"float screenwindow\" [ -2 2 -2 2 ]") +
@@ -54,18 +56,16 @@ double fromLamp(double x, double y) { return std::sqrt(1 + x * x + y * y); }
 /** Radiance of a floor of albedo .5 under LAMP. */
 double underLamp(double x, double y) { return .5 * 10 / M_PI / std::pow(fromLamp(x, y), 3); }
 
-/** Where each pixel's light arrives, and how much, at a point of the floor. */
+/** Arrival and radiance of a pulse at a point of the floor. */
 struct Pulse {
   double (*length)(double x, double y);
   double (*radiance)(double x, double y);
 };
 
-/**
- * Expects that each pixel has the light of the pulse, to within `tolerance`, and all of it in the frames of
- * the lengths that occur within the pixel.
- */
+/** Expects that each pixel has the light of the pulse, to within `tolerance`, and all of it in the frames of
+ * the lengths within the pixel. */
 void expectPulse(const Rendered& r, const TransientFrames& frames, const Pulse& pulse, double tolerance) {
-  constexpr int POINTS = 5; // along a pixel's edge, corners included
+  constexpr int POINTS = 5; // points along the side of a pixel, including the corners
   size_t clear = 0;
   for (size_t p = 0; p < r.pixels(); ++p) {
     size_t least = SIZE_MAX, most = 0;
@@ -86,7 +86,7 @@ void expectPulse(const Rendered& r, const TransientFrames& frames, const Pulse& 
   EXPECT_GT(clear, r.pixels() / 4) << "pixels within one frame";
 }
 
-/** Expects a pulse on the floor seen from above by each of these ways. */
+/** Expects a pulse on the floor, seen from above, by each of the ways. */
 void expectPulse(const std::string& world, const std::string& paths, const TransientFrames& frames,
                  const Pulse& pulse, const std::vector<std::pair<Way, double>>& ways) {
   const auto scene = sceneFrom(fromAbove(world));
@@ -100,13 +100,13 @@ void expectPulse(const std::string& world, const std::string& paths, const Trans
   }
 }
 
-/** Compares the means of the frames of all ways with those of the first. */
+/** Expects that the means of the frames agree with the first way. */
 void expectSameFrames(const std::string& world, const TransientFrames& frames, const std::vector<Way>& ways) {
   constexpr int SEEDS = SANITIZED ? 4 : 8, SAMPLES = SANITIZED ? 1 : 3;
-  constexpr int TRUTH_SAMPLES = 16; // rare paths that the samples miss are in no error
+  constexpr int TRUTH_SAMPLES = 16; // the standard error does not include rare paths that no sample finds
   constexpr double SURE = 5;        // standard errors
-  // Of photons: of the frame, and of the picture, by their blur. The errors of the sanitizers' few samples
-  // are uncertain.
+  // Bias of photons by their blur, relative to the frame and to the picture. The standard errors of the
+  // sanitizers' few samples are uncertain.
   constexpr double BIAS = SANITIZED ? 0.6 : 0.01, EARLIER = 0.001;
   const auto scene = sceneFrom(world);
   const PathClasses classes = framed(frames);
@@ -153,7 +153,7 @@ TEST(Transient, TextHasTheLengthsAsGiven) { EXPECT_EQ(TransientFrames(0.1, 0.7, 
 
 TEST(Transient, LayersAddUpToThePictureOfTheSameSamples) {
   const auto scene = sceneFrom(glassAndMirrorBox(16));
-  const PathClasses classes = framed({6, 12, 70}); // more than a LayerMask has bits
+  const PathClasses classes = framed({6, 12, 70}); // more layers than bits of a LayerMask
   const std::vector<Way> ways = {{"path", ""},     {"simplepath", ""},
                                  PHOTONS,          {"photonmap", MANY + " \"string direct\" \"photons\""},
                                  CAUSTICS,         {"simplephotonmap", MANY},
@@ -192,7 +192,7 @@ TEST(Transient, SumsOfMediaAddUpAsWell) {
 }
 
 TEST(Transient, PulseOfAPointLightIsAnExpandingRing) {
-  // Splats have the noise of single pixels.
+  // Splats have noise in single pixels.
   expectPulse(LAMP + FLOOR, "all", {6, 8, 8},
               {[](double x, double y) { return CAMERA_HEIGHT + fromLamp(x, y); }, underLamp},
               {{{"path", ""}, .01},
@@ -203,7 +203,7 @@ TEST(Transient, PulseOfAPointLightIsAnExpandingRing) {
 }
 
 TEST(Transient, PhotonsAreSeenWhenTheirWaveFrontPasses) {
-  // The kernel reaches over several frames, but each photon counts when its light reaches the pixel.
+  // The kernel covers several frames, but each photon counts when its light reaches the pixel.
   const TransientFrames frames(6, 8, 8);
   const auto scene = sceneFrom(fromAbove(LAMP + FLOOR));
   const Way wide = {"simplephotonmap",
@@ -218,7 +218,8 @@ TEST(Transient, PhotonsAreSeenWhenTheirWaveFrontPasses) {
 }
 
 TEST(Transient, AMirrorSendsTheWholeWay) {
-  // Down to the mirror at a height of 0, up to the ceiling, which a lamp at a distance of 1 lights.
+  // From the camera down to the mirror at height 0, up to the ceiling, which a lamp at a distance of 1
+  // lights.
   expectPulse("LightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ 0 0 6 ]\n"
               "Material \"conductor\" \"rgb reflectance\" [ 1 1 1 ]\n"
               "Shape \"bilinearmesh\" \"point3 P\" [ -9 -9 0  9 -9 0  -9 9 0  9 9 0 ]\n"
@@ -237,12 +238,13 @@ TEST(Transient, AGlassSlabDelaysTheCamerasSideByItsIndex) {
 }
 
 TEST(Transient, AGlassSlabDelaysPhotonsFromFarByItsIndex) {
-  // Light straight down from the plane that touches the scene's bounding sphere arrives everywhere at once.
+  // Vertical parallel light from the tangent plane of the scene's bounding sphere arrives everywhere at the
+  // same time.
   const auto scene = sceneFrom(fromAbove(
       "LightSource \"distant\" \"point3 from\" [ 0 0 1 ] \"point3 to\" [ 0 0 0 ]\n" + FLOOR + SLAB));
   const double length =
       double(scene->bounds().radius + scene->bounds().center.z) + SLAB_DELAY + CAMERA_HEIGHT + SLAB_DELAY;
-  // Relative to the scene's origin, heights are below those of the file.
+  // Relative to the scene's origin, the floor is below its height in the file.
   const double floor = -scene->origin().z;
   const TransientFrames frames(length - floor - .15, length - floor + .15, 3);
   for (const Way& way :
@@ -258,7 +260,7 @@ TEST(Transient, AGlassSlabDelaysPhotonsFromFarByItsIndex) {
 }
 
 TEST(Transient, ObliqueLightFromFarSweepsOverTheFloor) {
-  // Light from (0, .6, .8): it is the later, the lower y is.
+  // Light from (0, .6, .8) arrives later for smaller y.
   const std::string world =
       "LightSource \"distant\" \"point3 from\" [ 0 .6 .8 ] \"point3 to\" [ 0 0 0 ]\n" + FLOOR;
   const auto scene = sceneFrom(fromAbove(world));
@@ -283,12 +285,12 @@ TEST(Transient, LightIsSlowInWater) {
 }
 
 TEST(Transient, EstimatorsAgreeOnGlassAndMirrorFrameByFrame) {
-  // Path tracing finds caustics so rarely that its standard error says nothing.
+  // Path tracing finds caustics so rarely that its standard error is not reliable.
   expectSameFrames(glassAndMirrorBox(12, 0.6), {5, 14, 9}, {{"bdpt", ""}, {"vcm", ""}, PHOTONS, CAUSTICS});
 }
 
 TEST(Transient, EstimatorsAgreeOnCausticsOfAPointFrameByFrame) {
-  // Only photons find them, in a map of their own.
+  // Only photons find these caustics, in a separate map.
   expectSameFrames(fromAbove(LAMP + FLOOR +
                              "Shape \"bilinearmesh\" \"point3 P\" [ -9 2 -9  9 2 -9  -9 2 9  9 2 9 ]\n"
                              "Material \"dielectric\" \"float eta\" 1.5\nTranslate .8 0 .45\n"

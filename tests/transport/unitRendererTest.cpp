@@ -1,5 +1,6 @@
 /** @file
- * Units of work, rendered by several in any order, broken off and given to others, add up to the same bits.
+ * Units of work add up to the same bits if several renderers render them in any order, with interruptions and
+ * reassignment.
  */
 #include "transport/rendering.h"
 
@@ -21,7 +22,7 @@ const std::string BOX =
     "Shape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
     "Material \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [ -2 -1 -2  2 -1 -2  -2 -1 2  2 -1 2 ]\n";
 
-/** Whether the films are the same bits but for the last numbers, which only one process needs. */
+/** Whether the films have the same bits except for the numbers that only one process needs. */
 bool sameSamples(Film& a, Film& b) {
   const auto s = a.state(), t = b.state();
   for (size_t i = 0; i < std::max<size_t>(2, s.size() - 1); ++i)
@@ -45,7 +46,7 @@ TEST(UnitRenderer, AnySharesAddUpToTheSameBits) {
     Film sum(scene->film().crop, 1);
     std::mt19937 random(4);
     std::optional<WorkQueue> queue;
-    // Each renders for a while, then it is stopped, and others take over what it had.
+    // Each renderer is stopped after a while, and others continue its units.
     for (bool last = false; !last;) {
       std::vector<std::unique_ptr<Integrator>> integrators;
       std::vector<std::unique_ptr<UnitRenderer>> renderers;

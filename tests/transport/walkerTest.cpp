@@ -1,7 +1,7 @@
 /** @file
- * The walk that all estimators can share: densities of vertices are those that geometry gives, in both
- * directions; a walk reads its path class and stops where it must; and the plain path tracer, made of it, has
- * the picture of `path`.
+ * The walk of all estimators: densities of vertices are correct by geometry in both directions; a walk
+ * follows its path class and ends at its limits; and the plain path tracer that uses it has the picture of
+ * `path`.
  */
 #include "rendering.h"
 
@@ -12,7 +12,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** A closed matt room, `ball` in the middle and a small lamp that does not scatter. */
+/** A closed matt room with `ball` in the middle and a small lamp that does not scatter. */
 std::string room(const std::string& ball) {
   return view(8, "0 -.9 .2  0 0 0  0 0 1", 60) + R"(
 Material "diffuse" "rgb reflectance" [ .5 .6 .7 ]
@@ -46,7 +46,7 @@ template <class State> Subpath<State> subpathFrom(const State& state, const Vec3
   return path;
 }
 
-/** Follows walks from inside of the room, and checks the densities of their vertices. */
+/** Traces walks from inside of the room, and checks the densities of their vertices. */
 template <class State> void expectDensitiesOfMattSurfaces(const Scene& scene, const State& state) {
   const PathClasses classes;
   TransportCounts counts;
@@ -61,12 +61,13 @@ template <class State> void expectDensitiesOfMattSurfaces(const Scene& scene, co
       EXPECT_EQ(v.hit.areaLight, nullptr); // the lamp does not scatter
       const auto cosine = double(absDot(v.wi, v.point().geometricNormal));
       const auto distance2 = double(lengthSquared(v.point().position - path.from));
-      if (v.depth == 1) { // the ray is one of density 1/sr
+      if (v.depth == 1) { // the density of the first ray is 1/sr
         EXPECT_NEAR(v.pdf, cosine / distance2, 1e-5 * v.pdf);
       } else {
         const double pdf = double(absDot(v.wi, before.geometricNormal)) * cosine / (double(PI) * distance2);
         EXPECT_NEAR(v.pdf, pdf, 1e-4 * pdf);
-        // A walk from the other end comes to the vertex before with the same density: both are matt.
+        // The walk in the reverse direction has the same density for the previous vertex: both vertices are
+        // matt.
         EXPECT_NEAR(v.pdfPrevious(v.point().normalTowards(v.wi)), pdf, 1e-4 * pdf);
         ++segments;
       }
@@ -129,7 +130,7 @@ TEST(CameraRoulette, BeginsBelowHalfOfTheThroughputAndKeepsTheMean) {
     EXPECT_NEAR(sum / N, double(throughput), 0.03 * double(throughput));
     return double(count) / N;
   };
-  EXPECT_EQ(survivors(0.001f, 1, 1, 1), 1); // short paths always go on
+  EXPECT_EQ(survivors(0.001f, 1, 1, 1), 1); // short paths always survive
   EXPECT_EQ(survivors(0.001f, 2, 1, 1), 1);
   EXPECT_EQ(survivors(0.5f, 3, 1, 1), 1);
   EXPECT_NEAR(survivors(0.1f, 3, 1, 1), 0.2, 0.01);
@@ -151,7 +152,7 @@ TEST(CameraRoulette, EndsLosslessPathsButNotSlowlyFadingOnes) {
   };
   for (uint32_t i = 0; i < 20; ++i) {
     EXPECT_LT(lengthOf(1, i, 0), 1'000'000);
-    EXPECT_GE(lengthOf(0.9999f, i, 0.5f), 6900); // down to one half by absorption alone
+    EXPECT_GE(lengthOf(0.9999f, i, 0.5f), 6900); // attenuation to one half by absorption alone
   }
 }
 
@@ -172,8 +173,8 @@ AttributeEnd
   }
 }
 
-/** Sampling by chance has the same mean, and more noise. The noise is that between pictures: samples of a
- * pixel are stratified, so that their spread is no measure of it. */
+/** Sampling of lights or BSDFs alone has the same mean, with more noise. The standard error comes from
+ * several pictures: samples of a pixel are stratified, so that their spread does not measure it. */
 TEST(SimplePath, WithoutSamplingLightsOrBsdfsHasThePictureOfPath) {
   const std::string steel = "Material \"conductor\" \"float roughness\" .2 \"bool remaproughness\" false "
                             "\"rgb reflectance\" [.9 .8 .7]";

@@ -1,5 +1,5 @@
 /** @file
- * Work that is dealt out, broken off and given back is done once, whatever the order.
+ * Work units are completed exactly once, in whatever order they are assigned, interrupted and returned.
  */
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ TEST(WorkQueue, EverySampleOnceAndTheSplatsOfEveryPassOnce) {
       while (const auto unit = queue.take(double(random() % 100), workers)) {
         ASSERT_GT(unit->size(), 0);
         WorkUnit begun = *unit;
-        if (random() % 4 == 0) { // broken off after some samples of some tiles
+        if (random() % 4 == 0) { // interrupted after some samples of some tiles
           WorkUnit rest = begun;
           rest.firstTile += int64_t(random()) % (rest.endTile - rest.firstTile);
           begun.endTile = rest.firstTile;
@@ -53,13 +53,13 @@ TEST(WorkQueue, UnitsBecomeSmallTowardsTheEnd) {
 }
 
 TEST(WorkQueue, PassesStayWholeWhileThereAreEnoughForAll) {
-  WorkQueue queue(64, 10, Passes::fixed(16)); // four samples a pass
+  WorkQueue queue(64, 10, Passes::fixed(16)); // four samples per pass
   for (int i = 0; i < 12; ++i) {
     const auto unit = queue.take(30, 4);
     EXPECT_EQ(unit->size(), 40);
     EXPECT_EQ(unit->firstSample, 4 * i);
   }
-  // Four are left for four; then they are shared.
+  // Passes are whole while four are left for the four renderers; the last ones are divided.
   WorkQueue last(4, 10, Passes::fixed(2), {WorkUnit{2, 4, 0, 10}});
   EXPECT_EQ(last.take(1e9, 5)->endTile, 2);
 }
