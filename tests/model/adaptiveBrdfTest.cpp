@@ -1,6 +1,6 @@
 /** @file
- * Measured BRDFs in the adaptive parameterization, tabulated from BRDFs in closed form: what is found is what
- * was tabulated, and broken files are explained.
+ * Measured BRDFs in the adaptive parameterization, tabulated from BRDFs in closed form: lookups return the
+ * tabulated values, and broken files are explained.
  */
 #include <fstream>
 
@@ -28,7 +28,7 @@ Tabulation roughMetal(const Vec2f& alpha, size_t resolution) {
   return t;
 }
 
-/** The mean error of the flux to directions that follow the cosine, over its mean. */
+/** Mean error of the flux to directions of a cosine distribution, relative to its mean. */
 double meanError(const AdaptiveBrdf& brdf, const Tabulation& t, uint32_t seed) {
   TestRandom random(seed);
   double error = 0, sum = 0;
@@ -58,7 +58,7 @@ std::string complaint(const std::string& bytes) {
   }
 }
 
-/** The complaint about a good file in which something is another way. */
+/** Error message for a valid file with one change. */
 template <class F> std::string complaintAfter(const F& change) {
   Tabulation t = roughMetal(Vec2f(0.5f), 4);
   TensorFields fields = Tabulator(t).fields();
@@ -119,7 +119,7 @@ TEST(AdaptiveBrdf, SamplesOfBrushedMetalFollowTheirDensity) {
     const AdaptiveBrdf brdf(NAME, adaptiveFile(anisotropic(symmetry)));
     for (const Vec3f& w : {Vec3f(.3f, .5f, .8f), Vec3f(-.7f, .2f, .3f), Vec3f(.4f, -.6f, .1f)}) {
       const Vec3f wi = glm::normalize(w);
-      // The integral of a smooth function by samples, and by a grid of directions.
+      // Integral of a smooth function by samples, and by a grid of directions.
       const auto smooth = [](const Vec3f& wo) { return 1 + 0.5 * double(wo.x) - 0.7 * double(wo.y * wo.z); };
       TestRandom random(3);
       double bySamples = 0, byGrid = 0;
@@ -155,7 +155,7 @@ TEST(AdaptiveBrdf, SpectraBecomeTheColourOfTheirReflectance) {
   EXPECT_NEAR(found.r / found.g, expected.r / expected.g, 1e-4);
   EXPECT_NEAR(found.b / found.g, expected.b / expected.g, 1e-4);
 
-  // The same with three numbers in the place of spectra.
+  // A file with three values instead of spectra has the same colour.
   t.wavelengths = {0, 1, 2};
   t.colour = [&](double i) { return expected[int(i)]; };
   fields = Tabulator(t).fields();
@@ -236,7 +236,7 @@ TEST(AdaptiveBrdf, ChangedBytesAreRefusedOrHarmless) {
   for (int i = 0; i < 3000; ++i) {
     std::string bytes = file;
     for (uint32_t change = random.below(3) + 1; change > 0; --change) {
-      // The table of fields is where lies are told, more than in the numbers.
+      // Most random changes are in the table of fields, where they are more dangerous than in the numbers.
       const uint32_t at = random.below(random.next() < 0.7f ? 500 : file.size());
       bytes[at] = static_cast<char>(random.next() < 0.5f ? bytes[at] ^ (1 << random.below(8))
                                                          : int(random.below(256)));

@@ -1,6 +1,6 @@
 /** @file
- * Writes files of measured BRDFs in the adaptive parameterization out of BRDFs in closed form, so that tests
- * have some, and damaged ones.
+ * Writes test files of measured BRDFs in the adaptive parameterization from BRDFs in closed form, and damaged
+ * files.
  */
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace recurse::testing {
 
-/** A field of a tensor file. */
+/** Field of a tensor file. */
 struct TensorField {
   uint8_t type = 10; ///< float32
   std::vector<uint64_t> shape;
@@ -46,16 +46,16 @@ inline std::string tensorFile(const TensorFields& fields) {
   return table + data;
 }
 
-/** What is tabulated, and how finely. */
+/** BRDF to be tabulated, with the resolution of the tables. */
 struct Tabulation {
   std::function<double(const Vec3f& a, const Vec3f& b)> brdf;
-  Microfacets facets{MicrofacetKind::TROWBRIDGE_REITZ, Vec2f(0.3f)}; ///< which half vectors are spread as
+  Microfacets facets{MicrofacetKind::TROWBRIDGE_REITZ, Vec2f(0.3f)}; ///< distribution of the half vectors
   std::vector<float> thetas;
   std::vector<float> phis = {0};
   std::vector<float> wavelengths = {400, 700};
-  std::function<double(double wavelength)> colour = [](double) { return 1; }; ///< times the BRDF
-  size_t resolution = 32;                                                     ///< of all tables
-  bool relative = true;                                                       ///< to the facets
+  std::function<double(double wavelength)> colour = [](double) { return 1; }; ///< factor of the BRDF
+  size_t resolution = 32;                                                     ///< resolution of all tables
+  bool relative = true;                                                       ///< relative to the facets
 
   static std::vector<float> nodes(float from, float to, size_t count) {
     std::vector<float> n;
@@ -65,7 +65,7 @@ struct Tabulation {
   }
 };
 
-/** Tables of a Tabulation. */
+/** Makes the tables of a Tabulation. */
 class Tabulator {
  public:
   explicit Tabulator(const Tabulation& what) : what(what), n(what.resolution) {}
@@ -91,7 +91,7 @@ class Tabulator {
   }
 
  private:
-  /** Half vectors of isotropic tables count their azimuth from the plane of incidence. */
+  /** The azimuth of half vectors in isotropic tables starts at the plane of incidence. */
   Vec3f incidence(uint32_t slice) const {
     const float theta = std::min(what.thetas[slice % what.thetas.size()], 1.5697f);
     const float phi = what.phis.size() > 2 ? what.phis[slice / what.thetas.size()] : 0;
@@ -147,7 +147,7 @@ class Tabulator {
 
 inline std::string adaptiveFile(const Tabulation& what) { return tensorFile(Tabulator(what).fields()); }
 
-/** What scenes/materials/copper.bsdf holds: rough copper made up, so that a file of the format is at hand. */
+/** Content of scenes/materials/copper.bsdf: synthetic rough copper, as a small file of the format. */
 inline Tabulation copper() {
   Tabulation t;
   t.facets = {MicrofacetKind::TROWBRIDGE_REITZ, Vec2f(0.25f)};

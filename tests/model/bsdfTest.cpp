@@ -1,6 +1,6 @@
 /** @file
  * Every registered material, made from its own examples: sampling against density, energy, reciprocity, and
- * the forward pass against the backward pass. A new material is covered without a change here.
+ * the forward pass against the backward pass. New materials are covered without a change of this file.
  */
 #include <array>
 #include <cstdlib>
@@ -15,19 +15,19 @@ using namespace recurse::testing;
 
 namespace {
 
-/** A direction by its hemisphere, 1 - |z| and azimuth: equal areas are equal solid angles. */
+/** Direction as hemisphere, 1 - |z| and azimuth: equal areas are equal solid angles. */
 struct MapPoint {
   int side = 0;
   Vec2d p{0};
 };
 
-/** Azimuths count from near the plane of incidence, where most lobes are. */
+/** Map of directions whose azimuth starts near the plane of incidence, where most lobes are. */
 class Map {
  public:
   explicit Map(const Vec3f& wi) : azimuth(std::atan2(double(wi.y), double(wi.x)) + M_PI + 0.3) {}
   MapPoint point(const Vec3f& w) const {
     const double z = std::abs(double(w.z)), phi = std::atan2(double(w.y), double(w.x)) - azimuth;
-    // Not 1 - z, to keep the digits near the pole.
+    // Different from 1 - z, to keep the digits near the pole.
     return {w.z < 0 ? 1 : 0,
             {(square(double(w.x)) + square(double(w.y))) / (1 + z), std::remainder(phi, 2 * M_PI)}};
   }
@@ -40,13 +40,13 @@ class Map {
   double azimuth;
 };
 
-/** Cells of a hemisphere that hold about equally many samples each. */
+/** Cells of a hemisphere with about the same number of samples each. */
 class CellTree {
  public:
   struct Cell {
     int side = 0;
     Vec2d low{0, -M_PI}, high{1, M_PI};
-    Vec2d first{1e9}, last{-1e9}; ///< where its samples are densest
+    Vec2d first{1e9}, last{-1e9}; ///< range of the densest samples
     double found = 0;
   };
 
@@ -71,13 +71,14 @@ class CellTree {
   std::vector<Cell> cells;
 
  private:
-  static constexpr size_t NEVER = size_t(-1); ///< not to be divided
+  static constexpr size_t NEVER = size_t(-1); ///< marks cells that are not divided
   struct Node {
     int axis = -1;
     double split = 0;
-    int child[2] = {-1, -1}; ///< of a leaf: the cell
+    int child[2] = {-1, -1}; ///< of a leaf: index of the cell
   };
-  /** The smallest range of a coordinate that holds a quarter of the samples; the whole range of a few. */
+  /** Smallest range of a coordinate that contains a quarter of the samples; the whole range if there are
+   * few. */
   static Vec2d densest(const std::vector<MapPoint>& samples, int axis) {
     std::vector<double> v;
     for (const MapPoint& s : samples) v.push_back(s.p[axis]);
@@ -88,7 +89,7 @@ class CellTree {
       if (v[i + quarter] - v[i] < best[1] - best[0]) best = {v[i], v[i + quarter]};
     return best;
   }
-  /** True where the density varies much over the samples' box. */
+  /** Whether the density varies strongly over the bounding box of the samples. */
   static bool concentrated(const std::vector<MapPoint>& samples, const Vec2d& extent) {
     constexpr size_t FEW = 12;
     if (samples.size() < FEW) return false;
@@ -127,7 +128,7 @@ class CellTree {
     halves[0].high[axis] = halves[1].low[axis] = split;
     int child[2];
     for (int i = 0; i < 2; ++i) {
-      // All on one coordinate: no further split separates them.
+      // All samples have the same coordinates: no further split separates them.
       const bool stuck = parts[1 - i].empty();
       child[i] = build(std::move(parts[i]), halves[i], stuck ? NEVER : most, 1 - axis);
     }
@@ -144,7 +145,7 @@ class CellTree {
 
 constexpr int MAX_DEPTH = 12;
 
-/** The integral of a density over a cell, or a part of one: from 16 parts of 9 points each up. */
+/** Integral of a density over a cell, or over a part of it, by at least 16 parts of 9 points each. */
 template <class F>
 double integrate(const F& density, const Map& map, const CellTree::Cell& cell, const Vec2d& low,
                  const Vec2d& high, double error, int depth, double coarse) {
@@ -159,7 +160,7 @@ double integrate(const F& density, const Map& map, const CellTree::Cell& cell, c
     return sum * 4 * h.x * h.y;
   };
   const Vec2d middle = (low + high) * 0.5;
-  // A cell much wider than its samples could be overlooked: it is halved around them first.
+  // A cell much wider than its samples could be missed: it is first halved around them.
   if (glm::all(glm::lessThanEqual(low, cell.last)) && glm::all(glm::greaterThanEqual(high, cell.first))) {
     const Vec2d ratio = (high - low) / glm::max(cell.last - cell.first, Vec2d(1e-12, 1e-7));
     if (std::max(ratio.x, ratio.y) > 2) {
@@ -190,7 +191,8 @@ double integrate(const F& density, const Map& map, const CellTree::Cell& cell, c
   return sum;
 }
 
-/** The width of the middle half of the samples, in or across the plane of incidence, where it is less. */
+/** Width of the middle half of the samples, in the plane of incidence or perpendicular to it, whichever is
+ * smaller. */
 double narrowest(const Vec3f& wi, const std::vector<Vec3f>& samples) {
   const Frame frame({0, 0, 1}, wi);
   double width = INFINITY;
@@ -212,8 +214,8 @@ bool hasNonDelta(const Bsdf& bsdf) { return (bsdf.lobes() & NON_DELTA_LOBES) != 
 /** Refractive index on the side of w. */
 float indexAt(const Bsdf& bsdf, const Vec3f& w) { return w.z > 0 ? 1 : bsdf.eta(); }
 
-/** Mean and its standard error of what all lobes scatter of the flux from wi; of what is not reciprocal, of
- * the radiance that is seen from there in light of radiance 1. */
+/** Mean and standard error of the flux that all lobes scatter from wi; for BSDFs without reciprocity, of the
+ * radiance towards wi in light of radiance 1. */
 struct Albedo {
   Rgbd mean{0}, error{0};
 };
@@ -223,7 +225,7 @@ Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
     TestRandom random(seed);
     Rgbd sum(0), sum2(0);
     for (int i = 0; i < n; ++i) {
-      // Stratified by halves only, so that the error estimate is right.
+      // Stratified into halves only, so that the error estimate is correct.
       const Vec2f u = random.next2();
       const auto wo = bsdf.sample(wi, u, random.next());
       const float pdf = wo ? bsdf.pdf(wi, *wo) : 0;
@@ -245,7 +247,7 @@ Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
 } // namespace
 
 TEST(BsdfSampling, FollowsTheDensity) {
-  // Chi-square over cells that adapt to the lobe; the density is integrated in each to a known error.
+  // Chi-square test over cells that adapt to the lobe; the density is integrated in each with a known error.
   const int N = samples(6000);
   constexpr size_t IN_A_CELL = 156;
   forEachBsdf([&](const Bsdf& bsdf) {
@@ -266,7 +268,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
         return out;
       };
       const std::vector<Vec3f> shape = draw();
-      // Where a lobe is no wider than a thousand roundings, cells would count the grid of floats.
+      // In a lobe of at most a thousand roundings, cells would count the grid of floats.
       if (shape.empty() || narrowest(wi, shape) < 1024 * 0x1p-24) continue;
       std::vector<MapPoint> points;
       for (const Vec3f& w : shape) points.push_back(map.point(w));
@@ -286,7 +288,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
       const double chance = double(samples.size()) / N;
       EXPECT_NEAR(total, chance, 0.004 + 5 * std::sqrt(chance * (1 - chance) / N))
           << "the density's integral is the chance of a sample; wi.z " << wi.z;
-      // The mean of chi-square is the number of cells, its standard deviation the root of twice that.
+      // The mean of chi-square is the number of cells, its standard deviation the root of twice the number.
       EXPECT_LT(chi2, cells + 6 * std::sqrt(2.0 * cells) + 5) << "wi.z " << wi.z;
     }
   });
@@ -339,7 +341,7 @@ TEST(BsdfDelta, LobesAreWellFormedAndReversible) {
         EXPECT_EQ(d.lobe == MIRROR, d.wo.z * wi.z > 0);
         EXPECT_NE(bsdf.lobes() & d.lobe, 0);
         for (int k = 0; k < 3; ++k) EXPECT_GE(d.weight[k], 0);
-        // The way back has the same weight, and undoes the bending.
+        // The reverse path has the same weight and the inverse refraction.
         DeltaScatters back;
         bsdf.deltas(d.wo, back);
         double best = INFINITY;
@@ -353,7 +355,7 @@ TEST(BsdfDelta, LobesAreWellFormedAndReversible) {
 }
 
 TEST(BsdfDelta, RoughnessGoesOverIntoTheMirrorWithoutAStep) {
-  // What all lobes together make of a smooth illumination, for every material that has roughness.
+  // Response of all lobes to smooth illumination, for every material with a roughness.
   const auto seen = [](const Bsdf& bsdf, const Vec3f& wi, double& error) {
     const auto light = [](const Vec3f& w) {
       return 1 + 0.5 * double(w.x) - 0.3 * double(w.y) + 0.4 * double(w.z);
@@ -389,7 +391,7 @@ TEST(BsdfDelta, RoughnessGoesOverIntoTheMirrorWithoutAStep) {
     };
     bool remaps = false;
     for (const ParameterSpec& p : entry.parameters) remaps = remaps || p.name == "remaproughness";
-    if (!remaps) continue; // a roughness of its own kind, with a least value
+    if (!remaps) continue; // a different kind of roughness, with a minimum
     ++found;
     const auto mirror = withRoughness(0);
     BsdfArena arena;
@@ -416,7 +418,7 @@ TEST(BsdfReciprocity, ValuesAndDensities) {
   forEachBsdf([](const Bsdf& bsdf) {
     if (!hasNonDelta(bsdf)) return;
     TestRandom random(5);
-    if (!bsdf.isReciprocal()) { // which it must not say of itself for nothing
+    if (!bsdf.isReciprocal()) { // isReciprocal() must not be false without reason
       const Vec3f a = random.direction(), b = random.direction();
       EXPECT_GT(maxComponent(abs(bsdf.value(a, b) - bsdf.value(b, a))),
                 0.01f * maxComponent(bsdf.value(a, b)));
@@ -463,7 +465,7 @@ TEST(BsdfPasses, WeightsAreValueTimesCosineOverDensity) {
         for (int k = 0; k < 3; ++k) {
           EXPECT_NEAR(eye->weight[k], f[k], 1e-4f * (f[k] + 1e-3f));
           EXPECT_NEAR(photon->weight[k], flux[k], 1e-4f * (flux[k] + 1e-3f));
-          // Flux and radiance differ by the square of the refractive indices.
+          // Flux and radiance differ by the squares of the refractive indices.
           if (bsdf.isReciprocal()) {
             EXPECT_NEAR(photon->weight[k], f[k] * square(eye->eta), 1e-3f * (photon->weight[k] + 1e-3f));
           }
@@ -485,7 +487,7 @@ TEST(BsdfPasses, NamedOperationsAreViewsOfTheSameDeltas) {
         for (int k = 0; k < 3; ++k)
           EXPECT_NEAR(radiance[size_t(i)].weight[k], expected[k], 1e-5f * (1 + expected[k]));
       }
-      // Each is the first of the radiance's steps by its lobe, in direction and in value.
+      // Each operation is the first radiance sample of its lobe, in direction and in value.
       for (const auto& [lobe, named] : {std::pair(MIRROR, s.specularReflectionBackwardScatter(wi)),
                                         std::pair(REFRACTION, s.specularRefractionBackwardScatter(wi))}) {
         const auto first = std::find_if(radiance.begin(), radiance.begin() + n,
@@ -543,7 +545,7 @@ TEST(BsdfPasses, LambertianMeansThatTheValueIsOneConstant) {
 }
 
 TEST(BsdfPasses, TheShortCutOfLambertianBsdfsGoesByTheirValue) {
-  // What somebody gets who edits DiffuseBsdf::value and nothing else.
+  // DiffuseBsdf after a change of value() alone.
   class Edited final : public Bsdf {
    public:
     LobeSet lobes() const override { return REFLECTION | LAMBERTIAN; }
@@ -570,8 +572,8 @@ TEST(BsdfPasses, TheShortCutOfLambertianBsdfsGoesByTheirValue) {
 }
 
 TEST(BsdfPasses, ForwardEqualsBackward) {
-  // <h, forward g> = <backward h, g>: light emitted as g and seen as h is the same walked either way, delta
-  // lobes, refraction and tilted shading normals included.
+  // <h, forward g> = <backward h, g>: emission g and importance h give the same integral in both directions
+  // of transport, including delta lobes, refraction and tilted shading normals.
   const auto g = [](const Vec3f& w) {
     return 1 + 0.5 * double(w.x) + 0.3 * double(w.y * w.z) + 0.4 * double(w.z);
   };
@@ -610,7 +612,8 @@ TEST(BsdfPasses, ForwardEqualsBackward) {
 }
 
 TEST(BsdfPasses, HairThatTurnsToTheRayIsTheSameFromEitherEnd) {
-  // The same for a curve along x, which is as wide to all; a tube's normals go from side to side.
+  // Adjointness for a curve along x that always faces the ray, so that its width is constant; the normals of
+  // a tube vary across it.
   const auto g = [](const Vec3f& w) { return 1 + 0.5 * double(w.x) + 0.6 * double(w.y * w.z); };
   const auto h = [](const Vec3f& w) { return 1 - 0.4 * double(w.x * w.y) + 0.7 * double(w.z); };
   const auto N = uint32_t(samples(1 << 14));
@@ -657,7 +660,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
   forEachBsdf([](const Bsdf& bsdf) {
     const ScatteringPoint s(bsdf, flatPoint());
     for (const Vec3f& wi : incidentDirections()) {
-      constexpr uint32_t N = 2048; // no fewer under sanitizers: a bubble transmits little at grazing angles
+      constexpr uint32_t N = 2048; // sanitizers need as many: a bubble transmits little at grazing angles
       Rgbd sum(0), sum2(0);
       for (uint32_t i = 0; i < N; ++i) {
         Sampler each(9, 1, i);
@@ -678,7 +681,8 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
 
 namespace {
 
-/** A value text for a declared parameter: an end of its range, or something between. Empty: leave it out. */
+/** Text of a value for a declared parameter: an end of its range, or a value in between. Empty: omits the
+ * parameter. */
 std::string cornerValue(const ParameterSpec& p, TestRandom& random) {
   if (p.ignored) return {};
   const auto number = [&](double low, double high) {
@@ -690,7 +694,7 @@ std::string cornerValue(const ParameterSpec& p, TestRandom& random) {
       return p.minimumExcluded ? std::min(most, std::max(1e-30, least * (1 + 1e-6))) : least;
     case 1:
       return most;
-    case 2: // small values matter: roughness
+    case 2: // small values are important for roughness
       return std::clamp(least + std::exp(-12 * u) * (most - least), least, most);
     default:
       return std::clamp(least + u * (most - least), least + (p.minimumExcluded ? 1e-30 : 0), most);
@@ -722,7 +726,7 @@ std::string cornerValue(const ParameterSpec& p, TestRandom& random) {
   }
 }
 
-/** A direction, often one that is hard: on an axis, grazing, in the plane, nearly on the normal. */
+/** Direction, often a special case: on an axis, grazing, in the plane, nearly along the normal. */
 Vec3f cornerDirection(TestRandom& random) {
   const double phi = 2 * M_PI * double(random.next()), side = random.below(2) ? 1 : -1;
   const auto at = [&](double z) {
@@ -767,7 +771,7 @@ TEST(BsdfCorners, NothingButFiniteNumbers) {
   TestRandom random(23);
   struct Use {
     const PlugIn<Material, MaterialContext>* entry;
-    std::string base; ///< an example that makes what has no default
+    std::string base; ///< an example that provides required parameters
   };
   std::vector<Use> uses;
   for (const auto& entry : plugIns().materials.entries()) {
@@ -779,7 +783,7 @@ TEST(BsdfCorners, NothingButFiniteNumbers) {
     }
     for (const std::string& example : entry.examples) uses.push_back({&entry, example});
   }
-  constexpr size_t EACH = 500; // evaluations of one choice of parameters
+  constexpr size_t EACH = 500; // number of evaluations for each choice of parameters
   for (size_t n = 0; n < evaluations && !::testing::Test::HasFailure();) {
     for (const Use& use : uses) {
       std::string parameters = use.base;
@@ -790,7 +794,7 @@ TEST(BsdfCorners, NothingButFiniteNumbers) {
       Diagnostics diagnostics;
       const auto material = plugIns().materials.make(parseParameterText(use.entry->name, parameters),
                                                      named.context(), diagnostics);
-      if (!material) continue; // two that exclude each other; told, not crashed
+      if (!material) continue; // parameters that exclude each other give an error, not a crash
       BsdfArena arena;
       const Bsdf* bsdf = material->bsdfAt(flatPoint(), arena);
       if (!bsdf) continue;

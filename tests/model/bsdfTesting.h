@@ -1,6 +1,6 @@
 /** @file
- * BSDFs for tests: every registered material from its own examples, and from the corners of what it declares
- * about its parameters, so that a new material is covered without a change to any test.
+ * BSDFs for tests: every registered material from its own examples, and from the corners of its declared
+ * parameters, so that new materials are covered without a change of the tests.
  */
 #pragma once
 
@@ -32,8 +32,8 @@ inline std::unique_ptr<Material> makeMaterial(const std::string& name, const std
   return material;
 }
 
-/** Materials with names that others can be made of: a diffuse one, a mirror, glass, and the last two rough.
- */
+/** Named materials for use as components: a diffuse one, a mirror, glass, and rough versions of the last
+ * two. */
 class NamedMaterials {
  public:
   NamedMaterials() {
@@ -64,16 +64,16 @@ inline SurfacePoint flatPoint() {
   SurfacePoint p{};
   p.geometricNormal = p.shadingNormal = {0, 0, 1};
   p.dpdu = {1, 0, 0};
-  p.uv = {.3f, .3f}; // which matters to hair
+  p.uv = {.3f, .3f}; // position across hair
   return p;
 }
 
-/** A material from one of its own examples. */
+/** Material from one of its own examples. */
 struct MaterialUse {
   std::string text;
   std::unique_ptr<Material> material;
 };
-/** All examples of all materials, made once: tables take their time. */
+/** All examples of all materials, made once because tables take time. */
 inline const std::vector<MaterialUse>& everyUse() {
   static const NamedMaterials named;
   static const std::vector<MaterialUse> uses = [] {

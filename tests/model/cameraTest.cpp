@@ -1,5 +1,5 @@
 /** @file
- * What holds for every registered camera, and the thin lens against its equation.
+ * Properties of every registered camera, and the thin lens against its equation.
  */
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ std::unique_ptr<Camera> makeCamera(const std::string& name, const std::string& p
   return camera;
 }
 
-/** Calls `check(camera, words)` for each example of each camera, at several places and sizes. */
+/** Calls `check(camera, words)` for each example of each camera, at several positions and sizes. */
 template <class Check> void forEachCamera(const Check& check) {
   const Mat4d places[] = {Mat4d(1), moved(0.4, Vec3d(3), {5, -2, 1}), moved(2, {0.5, -0.5, 0.5}, {0, 1, 0}),
                           moved(1, {1, 2, 1.5}, {0, 0, 2})};
@@ -69,7 +69,7 @@ TEST(Cameras, APointOnARayIsConnectedToTheRaysPlaceOfFilmAndLens) {
 }
 
 TEST(Cameras, DirectionsOfAPinholeHaveTheFilmsSolidAngle) {
-  // The mean over samples of 1 / density is the size of what is sampled.
+  // The mean over samples of 1 / density is the measure of the domain.
   const double a = std::tan(0.4) * WIDTH / HEIGHT, b = std::tan(0.4);
   const double solidAngle = 4 * std::atan(a * b / std::sqrt(1 + a * a + b * b));
   for (const double scale : {0.1, 1.0, 7.0}) {
@@ -87,8 +87,8 @@ TEST(Cameras, DirectionsOfAPinholeHaveTheFilmsSolidAngle) {
 }
 
 TEST(Cameras, SplattingALitPlaneEqualsViewingIt) {
-  // A large plane across the view whose radiance varies by place and direction. Its points are sampled by
-  // area and splatted; and met by rays of the camera.
+  // A large plane across the view whose radiance varies with position and direction. Its points are sampled
+  // by area and splatted; in the second picture camera rays hit it.
   const Vec3f normal = glm::normalize(Vec3f(0.2f, -0.1f, -1));
   const auto radiance = [&](const Vec3f& p, const Vec3f& out) {
     return (1 + 0.5f * std::sin(2 * p.x) * std::cos(1.5f * p.y)) * std::max(0.0f, glm::dot(out, normal));
@@ -123,7 +123,7 @@ TEST(Cameras, SplattingALitPlaneEqualsViewingIt) {
         const Frame frame(normal);
         for (uint32_t i = 0; i < SPLATS; ++i) {
           Sampler sampler(2, 0, i);
-          // Denser towards the middle: the disc's radius by the square of a number.
+          // More samples towards the middle: the disc's radius is the square of a number.
           const Vec2f disk = uniformDisk(sampler.next2D());
           const float r2 = glm::dot(disk, disk);
           const Vec3f point = middle + frame.toWorld(Vec3f(disk * r2 * SIZE, 0));
@@ -155,8 +155,8 @@ TEST(Cameras, TheCircleOfConfusionIsThatOfTheThinLensEquation) {
   constexpr double RADIUS = 0.2, FOCUS = 3, FOCAL_LENGTH = 0.5;
   const auto camera = makeCamera(
       "perspective", "\"float fov\" 30 \"float lensradius\" 0.2 \"float focaldistance\" 3", Mat4d(1));
-  // The film lies where the focus distance is imaged; it is HEIGHT pixels high, and that is the field of
-  // view.
+  // The film is at the image distance of the focus distance; it is HEIGHT pixels high, which gives the field
+  // of view.
   const auto imageDistance = [](double z) { return 1 / (1 / FOCAL_LENGTH - 1 / z); };
   const double film = imageDistance(FOCUS), pixel = 2 * film * std::tan(glm::radians(15.0)) / HEIGHT;
   for (const double z : {0.8, 1.5, 3.0, 6.0, 50.0}) {
@@ -173,7 +173,8 @@ TEST(Cameras, TheCircleOfConfusionIsThatOfTheThinLensEquation) {
 }
 
 TEST(Cameras, BladesMakeAPolygonOfItsArea) {
-  // Places of a hexagonal lens, as the origins of rays, against the hexagon's second moment and its borders.
+  // Points on a hexagonal lens, from the origins of rays, against the hexagon's second moment and its
+  // borders.
   const auto camera = makeCamera("perspective",
                                  "\"float lensradius\" 2 \"integer apertureblades\" 6 "
                                  "\"float aperturerotation\" 30",
@@ -195,7 +196,7 @@ TEST(Cameras, BladesMakeAPolygonOfItsArea) {
 }
 
 TEST(Cameras, EvenLightIsSeenEvenly) {
-  // Up to the vignetting of lens systems, whose rays have weights or do not get through.
+  // The tolerance allows the vignetting of lens systems, whose rays have weights or are blocked.
   forEachCamera([](const Camera& camera, const std::string& words) {
     if (words.rfind("realistic", 0) == 0) return;
     for (uint32_t i = 0; i < 200; ++i) {
@@ -209,7 +210,7 @@ TEST(Cameras, EvenLightIsSeenEvenly) {
 }
 
 TEST(Filters, ValuesAreWhatSamplesStandFor) {
-  // Moments of weighted samples against those of the value, on a grid.
+  // Moments of weighted samples against moments of the value, on a grid.
   for (const auto& entry : plugIns().filters.entries()) {
     Diagnostics diagnostics;
     const auto filter = plugIns().filters.make(
@@ -238,7 +239,7 @@ TEST(Filters, ValuesAreWhatSamplesStandFor) {
 
 namespace {
 
-/** Contributions of very different sizes, a few of them wide. */
+/** Contributions of very different magnitudes, a few of them wide. */
 template <class Use> void forEachSplat(const Use& use) {
   for (uint32_t i = 0; i < 20000; ++i) {
     Sampler sampler(3, 0, i);
@@ -299,7 +300,8 @@ TEST(Splats, TooBrightForTheUnitAreCounted) {
   SplatPlane plane({0, 0, 1, 1}, 1, 0x1p-30);
   plane.add(Vec2f(0.5f), *filter, 1, {1e20f, 0, 0});
   EXPECT_EQ(plane.saturated(), 1u);
-  for (int i = 0; i < 1000; ++i) plane.add(Vec2f(0.5f), *filter, 1, {0, 0x1p58f, 0}); // their squares
+  for (int i = 0; i < 1000; ++i)
+    plane.add(Vec2f(0.5f), *filter, 1, {0, 0x1p58f, 0}); // the squares of the contributions saturate
   EXPECT_GT(plane.saturated(), 1u);
 }
 
@@ -307,7 +309,7 @@ TEST(Splats, LargeSumsKeepSmallContributions) {
   Diagnostics diagnostics;
   const auto filter = plugIns().filters.make(parseParameterText("box", ""), {}, diagnostics);
   SplatPlane plane({0, 0, 1, 1}, 1, 1);
-  for (const float sign : {1.0f, -1.0f}) // so large that 64 bits would not hold them, and 3 in between
+  for (const float sign : {1.0f, -1.0f}) // sums larger than 64 bits, with 3 in between
     for (int i = 0; i < 4; ++i) {
       plane.add(Vec2f(0.5f), *filter, 1, {sign * 0x1p70f, sign, sign * 0x1p62f});
       plane.add(Vec2f(0.5f), *filter, 1, {3, -3, 0});

@@ -1,5 +1,5 @@
 /** @file
- * Displaced meshes: how finely they are divided, where they come to lie, and that they stay closed.
+ * Displaced meshes: fineness of the subdivision, positions, and closed meshes that stay closed.
  */
 #include "model/importTesting.h"
 #include "model/mesh/viewDicing.h"
@@ -26,7 +26,7 @@ std::unique_ptr<Scene> sceneOf(const std::string& text, std::string* messages = 
   return scene;
 }
 
-/** The first mesh. */
+/** First mesh of the scene. */
 const TriangleMesh& meshOf(const Scene& scene) {
   for (const SceneShape& s : scene.shapes())
     if (const TriangleMesh* mesh = s.shape->triangleMesh()) return *mesh;
@@ -45,7 +45,7 @@ const std::string WAVES = "Texture \"h\" \"float\" \"wrinkled\" \"integer octave
 const std::string SQUARE = "Shape \"trianglemesh\" \"point3 P\" [-1 -1 0  1 -1 0  1 1 0  -1 1 0] "
                            "\"integer indices\" [0 1 2 0 2 3] \"point2 uv\" [0 0 1 0 1 1 0 1] "
                            "\"texture displacement\" \"height\" ";
-/** Faces with corners and texture coordinates of their own. */
+/** Faces with separate corners and texture coordinates. */
 const std::string CUBE =
     "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0  0 0 1 1 0 1 1 1 1 0 1 1  "
     "0 0 0 0 0 1 0 1 1 0 1 0  1 0 0 1 0 1 1 1 1 1 1 0  0 0 0 1 0 0 1 0 1 0 0 1  0 1 0 1 1 0 1 1 1 0 1 1] "
@@ -84,7 +84,7 @@ TEST(Displacement, StaysClosedAndAsFineAtSeams) {
     ASSERT_TRUE(scene);
     EXPECT_NO_THROW(meshOf(*scene).asSolid()) << dicing;
     EXPECT_GT(meshOf(*scene).primitiveCount(), 2000u);
-    // Its volume has grown: no face is turned inside out.
+    // The volume is larger: no face is inside out.
     for (uint32_t i = 0; i < meshOf(*scene).primitiveCount(); i += 7) {
       const SurfacePoint s = meshOf(*scene).surfaceAt(i, HitParameters(Vec2f(.3f, .3f)));
       EXPECT_GT(glm::dot(Vec3d(s.geometricNormal), Vec3d(s.position) + scene->origin() - .5), -.3);
@@ -96,8 +96,8 @@ TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
   const Vec3d eye(0, -3, 1);
   const struct {
     const char* camera;
-    std::function<double(const Vec3d&)> pixel; ///< its width, by the place
-    std::function<Vec3d(const Vec3d&)> view;   ///< direction, by the place
+    std::function<double(const Vec3d&)> pixel; ///< width of a pixel by position
+    std::function<Vec3d(const Vec3d&)> view;   ///< direction of view by position
   } views[] = {{"LookAt 0 -3 1  0 0 0  0 0 1 Camera \"perspective\" \"float fov\" 40",
                 [&](const Vec3d& p) { return glm::length(p - eye) * 2 * std::tan(M_PI / 9) / 64; },
                 [&](const Vec3d& p) { return glm::normalize(p - eye); }},
@@ -115,7 +115,7 @@ TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
                              : placed + SQUARE)));
       ASSERT_TRUE(scene);
       if (instanced) {
-        // The nearer of the two counts: about 64 pixels across.
+        // The nearer side counts: about 64 pixels across.
         EXPECT_GT(scene->contents().triangles, 2 * 20 * 20u);
         EXPECT_LT(scene->contents().triangles, 40 * 64 * 64u);
         continue;
@@ -124,7 +124,8 @@ TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
       size_t count = 0;
       forEdges(meshOf(*scene), [&](const Vec3d& a, const Vec3d& b) {
         const Vec3d place = .5 * (a + b) + scene->origin();
-        if (std::max(std::abs(place.x), std::abs(place.y)) > .7) return; // out of sight at the corners
+        if (std::max(std::abs(place.x), std::abs(place.y)) > .7)
+          return; // the corners are outside of the view
         const double seen = glm::length(glm::cross(b - a, view.view(place))) / view.pixel(place);
         longestSeen = std::max(longestSeen, seen);
         longest = std::max(longest, glm::length(b - a) / view.pixel(place));
@@ -132,8 +133,8 @@ TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
         ++count;
       });
       EXPECT_LT(longestSeen, 1.2) << view.camera
-                                  << placed; // at corners pixels are narrower than in the middle
-      EXPECT_LT(longest, 4 * 1.2) << view.camera << placed; // whatever the angle
+                                  << placed; // pixels at corners of the film are narrower than in the middle
+      EXPECT_LT(longest, 4 * 1.2) << view.camera << placed; // bound for every angle
       EXPECT_GT(mean / double(count), .3) << view.camera << placed;
     }
 }
@@ -148,14 +149,14 @@ TEST(Displacement, EdgesMayBeAsLongAsTheyAreForeshortened) {
     const PixelWidths pixels(plugIns().cameras.make(parseParameterText(kind, ""), context, diagnostics),
                              film);
     const ViewDicing dicing(pixels, {Mat4d(1)});
-    const auto lengthAt = [&](double degrees) { // from the direction of view
+    const auto lengthAt = [&](double degrees) { // angle from the direction of view
       const Vec3d half = .001 * Vec3d(std::sin(glm::radians(degrees)), 0, std::cos(glm::radians(degrees)));
       return dicing.edgeLength(Vec3d(0, 0, 5) - half, Vec3d(0, 0, 5) + half);
     };
     const double across = lengthAt(90);
     EXPECT_NEAR(lengthAt(30) / across, 2, .01) << kind;
     EXPECT_NEAR(lengthAt(45) / across, std::sqrt(2), .01) << kind;
-    EXPECT_NEAR(lengthAt(5) / across, 4, .01) << kind; // and no longer
+    EXPECT_NEAR(lengthAt(5) / across, 4, .01) << kind; // the ratio is at most 4
     EXPECT_NEAR(lengthAt(0) / across, 4, .01) << kind;
   }
 }

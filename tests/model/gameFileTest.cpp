@@ -1,6 +1,6 @@
 /** @file
- * Models and maps of games, from small files that are written here: MD2 with PCX skins, and Quake III maps in
- * archives. What a file can lie about ends in an error that names the place.
+ * Models and maps of games, from small files that the tests write: MD2 with PCX skins, and Quake III maps in
+ * archives. Invalid values in a file cause errors that name the position.
  */
 #include <cstring>
 #include <functional>
@@ -67,7 +67,7 @@ TEST_F(GameFile, Md2IsAnimatedByATrack) {
   write("film.pbrt", "Animate \"pose\" \"float times\" [ 0 8 ] \"float values\" [ 0 1 ]\nWorldBegin\n"
                      "Shape \"md2\" \"string filename\" \"m.md2\" \"float frame\" $pose\n");
   KeptParts kept;
-  // The triangle's edges are as long as the pose says, from 1 to 2.
+  // Edges of the triangle have the length of the pose, from 1 to 2.
   for (const auto& [frame, size] : {std::pair(0.0, 1.0), {2.0, 1.25}, {5.0, 1.625}, {8.0, 2.0}}) {
     Diagnostics diagnostics;
     const SceneDescription description = loadScene(directory + "/film.pbrt", diagnostics, frame);
@@ -89,10 +89,10 @@ TEST_F(GameFile, Md2WearsItsSkinTheRightWayUp) {
   EXPECT_EQ(messages, "");
   const std::unique_ptr<Scene> built = build(scene);
   ASSERT_TRUE(built);
-  // The front, towards -y in the file, faces along z after the rotation; z of the file is y.
+  // The front, towards -y in the file, faces z after the rotation; z in the file becomes y.
   const Hit hit = hitAt(*built, {0.05, 5.05, 0});
   EXPECT_NEAR(hit.point.geometricNormal.z, 1, 1e-5);
-  // Its lower corner has texture coordinates at the picture's lower edge, which is white.
+  // The lower corner has texture coordinates at the lower edge of the picture, which is white.
   EXPECT_GT(albedo(*built, {0.02, 5.02, 0}).g, 0.9f);
   EXPECT_GT(albedo(*built, {0.02, 5.02, 0}).r, 0.9f);
   EXPECT_GT(albedo(*built, {0.02, 5.97, 0}).r, 0.9f); // the upper one red
@@ -201,7 +201,7 @@ TEST_F(GameFile, LaterArchivesWinAndMapsMayBeLoose) {
   EXPECT_GT(colour("\"a.pk3\" \"b.pk3\"").b, 0.5f);
   EXPECT_GT(colour("\"b.pk3\" \"a.pk3\"").r, 0.5f);
   EXPECT_GT(colour("\"a.pk3\" \"maps/Two.bsp\"").r, 0.5f);
-  write("textures/WALL.png", blue); // beside the folder of the map
+  write("textures/WALL.png", blue); // next to the folder of the map
   EXPECT_GT(colour("\"a.pk3\" \"maps/Two.bsp\"").b, 0.5f);
   EXPECT_GT(colour("\"maps/Two.bsp\" \"a.pk3\"").r, 0.5f);
   load("Shape \"quake3map\" \"string pak\" [ \"a.pk3\" \"gone.pk3\" ]", true);
@@ -237,8 +237,8 @@ TEST_F(GameFile, MissingPicturesAreOneWarning) {
 }
 
 TEST_F(GameFile, QuakePatchIsCurved) {
-  // A quarter of a cylinder around the y axis, as far as a parabola can be one: the middle of its profile is
-  // at (P0 + 2 P1 + P2) / 4.
+  // A quarter of a cylinder around the y axis, approximated by a parabola: the middle of its profile is at
+  // (P0 + 2 P1 + P2) / 4.
   BspWriter map;
   map.shader("textures/wall");
   for (int row = 0; row < 3; ++row)
@@ -253,7 +253,7 @@ TEST_F(GameFile, QuakePatchIsCurved) {
   const Hit hit = hitAt(*built, {1.5, 1.01, 3});
   EXPECT_NEAR(hit.point.position.z + built->origin().z, 1.5, 0.0026); // a tenth of a unit
   EXPECT_NEAR(std::abs(hit.point.shadingNormal.x), std::sqrt(0.5f), 1e-2);
-  // Triangles lie within the tolerance of the true surface everywhere.
+  // Triangles are within the tolerance of the true surface everywhere.
   Quake3Bsp bsp = readQuake3Bsp("test", map.file());
   const int steps = patchSteps(bsp, 0.1, 32);
   tessellatePatch(bsp.faces[0], steps);
@@ -313,7 +313,7 @@ TEST_F(GameFile, QuakeLightIsInPhysicalUnits) {
 }
 
 TEST_F(GameFile, QuakeFlamesGiveTheLightThatTheirScriptSays) {
-  // The picture is the opacity, and the radiance makes up for what is lost to it.
+  // The picture is the opacity, and the radiance compensates for its mean.
   BspWriter map;
   map.shader("textures/flame");
   map.square(0, 0);
@@ -325,7 +325,7 @@ TEST_F(GameFile, QuakeFlamesGiveTheLightThatTheirScriptSays) {
   const SceneDescription scene = load("Shape \"quake3map\" \"string pak\" \"m.pk3\"");
   ASSERT_EQ(scene.areaLights.size(), 1u);
   const double radiance = 1000 * 0.25 * 3.14159265358979 / 64;
-  EXPECT_NEAR(numberOf(scene.areaLights[0], "L"), radiance / 0.5, 1e-6 * radiance); // through floats
+  EXPECT_NEAR(numberOf(scene.areaLights[0], "L"), radiance / 0.5, 1e-6 * radiance); // tolerance of floats
   EXPECT_TRUE(build(scene));
 }
 
@@ -417,7 +417,7 @@ TEST_F(GameFile, ArchivesThatLieAreErrors) {
 }
 
 TEST_F(GameFile, MutatedFilesNeverDoMoreThanFail) {
-  // The fuzzers in tests/fuzz go on with these for as long as one likes.
+  // The fuzzers in tests/fuzz continue with these without a limit.
   const int times = SANITIZED ? 1000 : 5000;
   BspWriter map;
   map.shader("textures/wall");
@@ -443,7 +443,7 @@ TEST_F(GameFile, MutatedFilesNeverDoMoreThanFail) {
       read();
       ++fine;
     } catch (const Error&) {
-      // promised
+      // expected result
     }
   };
   for (int i = 0; i < times; ++i) {
@@ -462,6 +462,6 @@ TEST_F(GameFile, MutatedFilesNeverDoMoreThanFail) {
     });
     attempt([&] { detail::tgaOfPcx("p", mutated(pcxFile())); });
   }
-  EXPECT_GT(fine, times / 10); // some changes do no harm, and the others were noticed
+  EXPECT_GT(fine, times / 10); // some changes are harmless, and the rest causes errors
   EXPECT_LT(fine, 3 * times);
 }

@@ -12,7 +12,7 @@
 
 namespace recurse::testing {
 
-/** Little-endian bytes, and values put over them later. */
+/** Little-endian bytes, with overwriting of values. */
 struct Bytes {
   std::string data;
   template <class T> Bytes& put(T value) {
@@ -26,7 +26,8 @@ struct Bytes {
   template <class T> void over(size_t at, T value) { std::memcpy(&data[at], &value, sizeof value); }
 };
 
-/** Two frames of one triangle in the plane y = 0, which faces -y; in the second it is twice as large. */
+/** Two frames of one triangle in the plane y = 0 with its front towards -y; in the second frame it is twice
+ * as large. */
 inline std::string md2File(const std::string& skin = "") {
   Bytes b;
   const int32_t skins = skin.empty() ? 0 : 1;
@@ -95,7 +96,7 @@ inline std::string zipFile(const std::map<std::string, std::string>& files) {
   return b.data;
 }
 
-/** Puts a map together, lump by lump. */
+/** Assembles a map lump by lump. */
 struct BspWriter {
   Bytes shaders, vertices, indices, faces;
   std::string entities = "{ \"classname\" \"worldspawn\" }";
@@ -116,7 +117,8 @@ struct BspWriter {
     for (int i = 0; i < 12; ++i) faces.put(0.0f);
     faces.put(width).put(height);
   }
-  /** A square of 80 units at a height, seen from above; with st = 0 at its corner of least x and y. */
+  /** A square of 80 units at a height, visible from above; st = 0 is at its corner with the smallest x and
+   * y. */
   void square(int32_t shader, float z) {
     const int32_t firstVertex = vertexCount, firstIndex = indexCount;
     for (const Vec2f& c : {Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0)})

@@ -1,5 +1,5 @@
 /** @file
- * Sampling of BSDFs mixed with a guide: unbiased whatever the guide says, for every registered material.
+ * Sampling of BSDFs mixed with a guide: unbiased for any guide, for every registered material.
  */
 #include "bsdfTesting.h"
 #include "sanitized.h"
@@ -8,7 +8,8 @@ using namespace recurse;
 
 namespace {
 
-/** A guide that knows nothing: half of it is a narrow cone around a direction, below the surface even. */
+/** Guide without knowledge of the scene: half of it is a narrow cone around a direction, which may be below
+ * the surface. */
 class WrongGuide final : public DirectionGuide {
  public:
   explicit WrongGuide(const Vec3f& axis) : frame(axis) {}
@@ -58,7 +59,7 @@ TEST(GuidedSampling, HasTheMeanOfBsdfSamplingWhateverTheGuide) {
       mixed.follow(&guide);
       if (!plain.isGuidable()) continue;
       ++guided;
-      // What comes from a sky that is brighter to one side.
+      // Reflected light of a sky that is brighter on one side.
       const auto bring = [&](const ScatteringPoint& point, Sampler sampler) {
         const auto s = point.scatter(wi, Transport::RADIANCE, sampler);
         return s ? double(luminance(s->weight)) * double(1.2f + s->direction.x) : 0;

@@ -1,6 +1,6 @@
 /** @file
- * Pictures as textures: pixels where they belong, encodings, edges, filtering against averages, files that
- * are missing or broken.
+ * Pictures as textures: positions of pixels, encodings, edges, filtering against averages, missing and broken
+ * files.
  */
 #include <fstream>
 #include <random>
@@ -26,7 +26,7 @@ std::string map(const std::string& file, const std::string& more = "") {
 
 Rgb at(const Texture& t, double u, double v) { return t.value(flatPoint(u, v)); }
 
-/** A value for each pixel, repeatable. */
+/** Reproducible value for each pixel. */
 Rgb noisy(int x, int y) {
   const auto one = [&](uint64_t k) {
     return unitFloat(static_cast<uint32_t>(hashCombine(hashCombine(uint64_t(x), uint64_t(y)), k) >> 32));
@@ -34,7 +34,7 @@ Rgb noisy(int x, int y) {
   return {one(1), one(2), one(3)};
 }
 
-/** What is told while a scene is built, whether it can be or not. */
+/** Messages while a scene is built; `isBuilt`: whether the build must succeed. */
 std::string toldOf(const std::string& scene, bool isBuilt) {
   Diagnostics diagnostics;
   const SceneDescription d =
@@ -91,7 +91,7 @@ TEST(ImageMap, EncodingsOfEightBits) {
   // writeImage encodes: 0.2159 is 128.
   const std::string file = folder.picture("c.png", 2, 2, [](int, int) { return Rgb(.2159f, 0, 1); });
   const double byte = 128. / 255, srgb = std::pow((byte + .055) / 1.055, 2.4);
-  // 8-bit sRGB is kept with 11 bits of mantissa.
+  // 8-bit sRGB is stored with 11 bits of mantissa.
   expectNear(at(*makeTexture("imagemap", map(file)), .5, .5), {float(srgb), 0, 1}, srgb / 2000);
   expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"sRGB\"")), .5, .5),
              {float(srgb), 0, 1}, srgb / 2000);
@@ -168,7 +168,8 @@ TEST(ImageMap, BeyondTheEdges) {
   expectNear(at(*black, .5 + .125, 1.125), BLACK, 0);
   expectNear(at(*clamp, -.125, .375), pixel(0, 2), 1e-6);
   expectNear(at(*clamp, 1.3, 1.3), pixel(3, 0), 1e-6);
-  // Over the left edge at the row 2 from the top: back in at the left edge, at the row 2 from the bottom.
+  // Beyond the left edge at the second row from the top: continues at the left edge in the second row from
+  // the bottom.
   expectNear(at(*sphere, -.125, .375), pixel(0, 1), 1e-6);
   expectNear(at(*sphere, 1.375, .875), pixel(2, 3), 1e-6);
   expectNear(at(*sphere, .125, 1.125), pixel(3, 0), 1e-6);
@@ -177,7 +178,7 @@ TEST(ImageMap, BeyondTheEdges) {
 
 TEST(ImageMap, FilteredValuesAreAveragesOverTheFootprint) {
   const Folder folder;
-  // A wave that filters of one width and different shapes leave alone, and one that they must take away.
+  // A wave that filters of one width and different shapes preserve, and one that they must remove.
   constexpr int N = 128;
   const auto f = [](double s, double t) {
     return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t) + .2 * std::sin(2 * M_PI * 16 * s);
@@ -194,17 +195,17 @@ TEST(ImageMap, FilteredValuesAreAveragesOverTheFootprint) {
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int i = 0; i < 100; ++i) {
     const double s = uniform(random), t = uniform(random);
-    // A footprint of 8 pixels is a period of the fast wave.
+    // A footprint of 8 pixels is one period of the fast wave.
     for (const Texture* texture : {trilinear.get(), ewa.get()})
       EXPECT_NEAR(texture->value(seen(flatPoint(s, t), 8.f / N)).r, slow(s, t), .03);
-    // Long across the fast wave and short along it: only along the footprint is it averaged.
+    // Long across the fast wave and short along it: it is averaged only along the long axis.
     SurfacePoint p = flatPoint(s, t);
     p.footprint = {glm::normalize(Vec3f(1, 0, -.125f)), 1.f / N};
     EXPECT_NEAR(ewa->value(p).r, slow(s, t), .06);
     p.footprint = {glm::normalize(Vec3f(0, 1, -.125f)), .5f / N};
     EXPECT_NEAR(ewa->value(p).r, f(s, t), .06);
   }
-  // Coarser than the picture: its mean.
+  // Footprint larger than the picture: its mean.
   for (const Texture* texture : {trilinear.get(), ewa.get()})
     EXPECT_NEAR(texture->value(seen(flatPoint(.3, .6), 4)).r, .5, .01);
 }
@@ -248,7 +249,7 @@ TEST(ImageMap, LittleMemoryGivesTheSame) {
     return out;
   };
   const std::vector<Rgb> truth = values();
-  setTextureMemory(1); // all pixels lie in files
+  setTextureMemory(1); // all pixels are in files
   const std::vector<Rgb> little = values();
   setTextureMemory(0x1p31);
   EXPECT_TRUE(little == truth);
@@ -354,7 +355,7 @@ TEST(ImageMap, PicturesThatRunOutOfMemoryAreNamed) {
   const std::string file = folder.picture("huge.exr", 16, 3, noisy);
   std::ifstream in(file, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(in), {});
-  // The last column of the data window: 8 million, of 3 rows.
+  // Last column of the data window: 8 million columns of 3 rows.
   const std::string before("dataWindow\0box2i\0\x10\0\0\0", 21);
   const size_t at = bytes.find(before);
   ASSERT_NE(at, std::string::npos);

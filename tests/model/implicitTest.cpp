@@ -25,7 +25,7 @@ std::vector<Solid::Crossing> sortedCrossings(const Solid& solid, const Vec3d& o,
   return found;
 }
 
-/** Compares the crossings and normals of two solids along random lines through the unit ball. */
+/** Expects the same crossings and normals of two solids along random lines through the unit ball. */
 void expectSameSolid(const Shape& a, const Shape& b, uint64_t seed, double tolerance = 1e-9) {
   const auto one = a.asSolid(), other = b.asSolid();
   Random random(seed);
@@ -88,7 +88,7 @@ TEST(Expression, ValuesAreThoseOfTheFormula) {
       const Vec3d p(random.uniform(.01, 2), random.uniform(.01, 2), random.uniform(.01, 2));
       const double expected = c.formula(p.x, p.y, p.z), scale = 1 + std::abs(expected);
       EXPECT_NEAR(f.value(p), expected, 1e-13 * scale) << c.text;
-      // The jet by differences.
+      // Jet by finite differences.
       const Jet jet = f.jet(p);
       EXPECT_NEAR(jet.value, expected, 1e-13 * scale) << c.text;
       constexpr double STEP = 1e-6;
@@ -144,7 +144,7 @@ TEST(Expression, IntervalsContainEveryValueAndSlope) {
           EXPECT_TRUE(bounds.isPartial) << text;
         } else if (std::isfinite(value)) {
           EXPECT_TRUE(bounds.contains(value)) << text << ": " << value;
-          // Mean value theorem, where the function has no jumps. Positions are rounded, and so are values.
+          // Mean value theorem, if the function has no jumps. Positions and values are rounded.
           const double steepest = std::max(std::abs(slope.slope.low), std::abs(slope.slope.high));
           const double rounding =
               (1e-14 * (1 + std::abs(value) + std::abs(before)) + 1e-14 * steepest) * 8 / width;
@@ -217,7 +217,7 @@ TEST(Expression, ErrorsPointAtTheCharacter) {
 }
 
 TEST(Expression, AnyTextIsReadOrExplained) {
-  // Random pieces of expressions: an error lies in the text, and what is read has a value.
+  // Random pieces of expressions: every text either has an error at a position in it, or a value.
   Random random(64);
   const char* const pieces[] = {"x", "y", "z", "pi", "2", ".5", "1e3", "+",    "-",    "*",    "/",    "^",
                                 "(", ")", ",", " ",  "(", ")",  "x",   "min(", "abs(", "sin(", "log(", "#"};
@@ -312,7 +312,7 @@ TEST(Implicit, RandomPolynomialsAgainstBruteForce) {
       const Vec3d o = random.direction() * 3.0, d = glm::normalize(random.direction() * .9 - o);
       const auto found = sortedCrossings(*solid, o, d);
       crossed += found.size();
-      // At each of many points, the crossings say whether it is inside.
+      // At each of many points, the crossings decide whether it is inside.
       size_t next = 0;
       bool state = false;
       constexpr int POINTS = 2000;
@@ -330,7 +330,7 @@ TEST(Implicit, RandomPolynomialsAgainstBruteForce) {
           EXPECT_EQ(state, inBox && inside(p)) << text.str();
         }
       }
-      // Between neighbouring crossings the state holds, however close they are.
+      // Between adjacent crossings the state is constant, at any distance between them.
       for (size_t k = 0; k + 1 < found.size(); ++k) {
         EXPECT_NE(found[k].entering, found[k + 1].entering);
         if (found[k + 1].t - found[k].t > 1e-8) {
@@ -372,14 +372,14 @@ TEST(Implicit, IsAnOperandOfCsg) {
           length += c.entering ? -c.t : c.t;
     return length * STEP * STEP;
   };
-  // The lens of two balls with the radii a and b at a distance of d.
+  // Lens of two balls with radii a and b at a distance of d.
   const double a = .8, b = .7, d = .3;
   const double lens =
       PI_DOUBLE * square(a + b - d) * (d * d + 2 * d * (a + b) - 3 * square(a - b)) / (12 * d);
   EXPECT_NEAR(volume(*csg("intersection", "\"level set\" \"ball\"")), lens, 2e-3);
   EXPECT_NEAR(volume(*csg("difference", "\"ball\" \"level set\"")), 4 / 3.0 * PI_DOUBLE * a * a * a - lens,
               2e-3);
-  // The gyroid and its inverse share their surface and fill the cube.
+  // The gyroid and its inverse have the same surface and fill the cube together.
   const auto all = csg("union", "\"gyroid\" \"inverse gyroid\"");
   expectSameSolid(*all, *make("box", ""), 60);
   EXPECT_NEAR(
@@ -416,7 +416,7 @@ TEST(Implicit, IsOpenWhereItReachesTheBox) {
 }
 
 TEST(Implicit, PolesAndEndsOfTheDomainAreBoundaries) {
-  // Inside are x < 0 (the pole), 0 <= x < .25 (the domain of the root), and .2 < x < .5 (log).
+  // The interior is x < 0 (pole), 0 <= x < .25 (domain of the root), and .2 < x < .5 (log).
   const struct {
     const char* function;
     double low, high;
@@ -440,7 +440,7 @@ TEST(Implicit, PolesAndEndsOfTheDomainAreBoundaries) {
 }
 
 TEST(Implicit, FlatAndSteepFunctionsKeepTheirRoots) {
-  // Roots of 0 have no slope; exponentials are infinite in most of the ball.
+  // Roots have an infinite slope at 0; exponentials overflow in most of the ball.
   const struct {
     const char* function;
     Vec3d origin;
@@ -464,7 +464,7 @@ TEST(Implicit, FunctionsThatVanishOnAPieceOfTheRayTakeLimitedTime) {
     const std::clock_t start = std::clock();
     for (int i = 0; i < 20; ++i)
       shape->intersect(0, {-3, .01f * static_cast<float>(i), 0}, {1, 0, 0}, 0, INFINITE);
-    // Twenty rays of 2^14 steps are a tenth of a second; to the last digit they would be hours.
+    // Twenty rays of 2^14 steps take a tenth of a second; full precision would take hours.
     EXPECT_LT(double(std::clock() - start) / CLOCKS_PER_SEC, SANITIZED ? 60 : 5) << function;
   }
 }
@@ -480,7 +480,7 @@ TEST(Implicit, BadParametersAreExplained) {
   };
   has(complaint(""), "function");
   has(complaint("\"string function\" \"x\" \"point3 p2\" [1 -1 1]"), "the box is flat");
-  // The caret points at the character, also behind an escaped one.
+  // The caret is at the character, also after an escaped one.
   const std::string message = complaint("\"string function\" [\"x +\\ty + w\"]");
   has(message, "\"w\" is neither a variable nor a function");
   has(message, "\n    \"string function\" [\"x +\\ty + w\"]\n");

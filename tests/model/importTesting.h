@@ -1,5 +1,5 @@
 /** @file
- * What tests of importers share: a folder of their own, scenes that name files in it, and what a ray meets.
+ * Base of tests of importers: a folder of their own, scenes that name files in it, and hits of rays.
  */
 #pragma once
 
@@ -28,8 +28,8 @@ class ImportTest : public ::testing::Test {
     std::ofstream(directory + "/" + name, std::ios::binary) << bytes;
   }
 
-  /** The scene with what importers made; `messages` has the warnings, and the errors where they are wanted.
-   */
+  /** Scene including the objects of importers; `messages` has the warnings, and the errors if
+   * `wantErrors`. */
   SceneDescription load(const std::string& world, bool wantErrors = false) {
     Diagnostics diagnostics;
     SceneDescription scene = parseScene("WorldBegin\n" + world, "test.pbrt", directory, diagnostics);
@@ -46,7 +46,7 @@ class ImportTest : public ::testing::Test {
     return made;
   }
 
-  /** What a ray along -z meets next to a place of the file's world. */
+  /** First hit of a ray along -z at a point of the file's world. */
   static Hit hitAt(const Scene& scene, const Vec3d& place) {
     Hit hit;
     Ray ray;
