@@ -1,5 +1,5 @@
 /** @file
- * Scenes built from what is kept of the frame before: they are the same as if all were built anew.
+ * Scenes that reuse parts of the previous frame are equal to scenes built from scratch.
  */
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ std::unique_ptr<Scene> frameScene(const std::string& text, KeptParts* kept, cons
   return scene;
 }
 
-/** Compares hits of rays from all around, with what the surfaces scatter and emit. */
+/** Expects the same hits of rays from all directions, with the same scattering and emission. */
 void expectTheSame(const Scene& a, const Scene& b) {
   int hits = 0;
   for (uint32_t i = 0; i < 2000; ++i) {
@@ -73,7 +73,7 @@ TEST(KeptParts, WhatDoesNotMoveIsNotBuiltAgain) {
   EXPECT_EQ(kept.trees.made, 1u);
   const std::unique_ptr<Scene> second = frameScene(world(.5), &kept);
   EXPECT_EQ(kept.shapes.kept, 3u);
-  EXPECT_EQ(kept.shapes.made, 1u); // the lamp, which is baked in its place
+  EXPECT_EQ(kept.shapes.made, 1u); // the lamp, whose transform is applied to its geometry
   EXPECT_EQ(kept.trees.kept, 1u);
   expectTheSame(*second, *frameScene(world(.5), nullptr));
 }
@@ -85,7 +85,7 @@ TEST(KeptParts, MaterialsOfKeptTreesAreThoseOfTheFrame) {
   EXPECT_EQ(kept.trees.kept, 1u);
   before.reset();
   expectTheSame(*next, *frameScene(world(0, "dielectric"), nullptr));
-  // A surface that does not scatter any more casts no shadow: shape and tree go.
+  // A surface that no longer scatters casts no shadow: shape and tree are removed.
   before = std::move(next);
   next = frameScene(world(0, ""), &kept);
   EXPECT_EQ(kept.trees.kept, 0u);

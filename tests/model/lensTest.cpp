@@ -1,5 +1,5 @@
 /** @file
- * Lens systems against the matrices of rays near the axis.
+ * Lens systems against matrices of paraxial rays.
  */
 #include <cstdio>
 #include <fstream>
@@ -27,14 +27,14 @@ std::vector<LensSurface> doubleGauss(double stopRadius) {
   return all;
 }
 
-/** Takes (height, angle times index) from behind surface `last` to before surface `first`, towards the scene.
- */
+/** Matrix of (height, angle times index) from behind surface `last` to the front of surface `first`, towards
+ * the scene. */
 glm::dmat2 towardsScene(const std::vector<LensSurface>& lens, size_t last, size_t first) {
   glm::dmat2 m(1);
   for (size_t i = last + 1; i-- > first;) {
     const double before = i > 0 ? lens[i - 1].index : 1, after = lens[i].index;
     if (i < last) m = glm::dmat2(1, 0, lens[i].thickness / after, 1) * m;
-    // From behind a surface whose centre lies behind.
+    // The ray arrives from behind, and a positive radius has its centre behind the surface.
     const double power = lens[i].isStop() ? 0 : (after - before) / lens[i].radius;
     m = glm::dmat2(1, -power, 0, 1) * m;
   }
@@ -82,12 +82,12 @@ TEST(LensSystem, FocusesNoNearerThanFourFocalLengths) {
 }
 
 TEST(RealisticCamera, EvenLightFillsTheExitPupil) {
-  // In the middle of the film irradiance is π sin² of the half angle at which the exit pupil is seen, the
+  // At the centre of the film the irradiance is π sin² of half the angle of the exit pupil, which is the
   // image of the stop through the surfaces behind it.
   const std::vector<LensSurface> surfaces = doubleGauss(STOP);
   const LensSystem lens(surfaces, FOCUS);
   const size_t stop = 5, last = surfaces.size() - 1;
-  // From the film to the stop: a film place's rays, height = toStop[1][0] · angle.
+  // From the film to the stop, for rays from a point of the film: height = toStop[1][0] · angle.
   const glm::dmat2 toStop = glm::dmat2(1, 0, surfaces[stop].thickness, 1) *
                             towardsScene(surfaces, last, stop + 1) * glm::dmat2(1, 0, lens.rearZ(), 1);
   const double tangent = STOP / std::abs(toStop[1][0]);
@@ -113,7 +113,7 @@ TEST(RealisticCamera, EvenLightFillsTheExitPupil) {
   };
   const double middle = irradiance({30.5f, 20.5f});
   EXPECT_NEAR(middle, M_PI * square(tangent) / (1 + square(tangent)), 0.02 * middle);
-  // And falls off, at least by the fourth power of the cosine, towards a corner.
+  // Towards a corner the irradiance decreases at least with the fourth power of the cosine.
   const double corner = irradiance({0.5f, 0.5f});
   EXPECT_GT(corner, 0.1 * middle);
   EXPECT_LT(corner, 0.9 * middle);
@@ -132,7 +132,7 @@ TEST(RealisticCamera, AWrongSurfaceIsToldByItsOwnLine) {
     std::remove(name.c_str());
     return diagnostics.format();
   };
-  // Three numbers: the diameter is taken from the line below.
+  // Three numbers: the diameter is read from the next line.
   const std::string shortLine = says("20 3 1.5\n-20 1 0 5\n");
   EXPECT_NE(shortLine.find("line 1: a lens without a diameter"), std::string::npos) << shortLine;
   const std::string end = says("# a comment\n20 3 1.5 5\n-20 1 0\n");

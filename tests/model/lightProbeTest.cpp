@@ -1,6 +1,6 @@
 /** @file
- * Light from pictures: layouts, integrals, densities, portals, photometric files, the sky, and what is said
- * of bad files.
+ * Light from pictures: layouts, integrals, densities, portals, photometric files, the sky, and messages about
+ * bad files.
  */
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ Image pictureOf(int width, int height, const std::function<Rgb(double, double)>&
   return image;
 }
 
-/** Noise with black parts, and a sun of one pixel. */
+/** Noise with black regions, and a sun of one pixel. */
 Image sunnyNoise(int width, int height) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<float> unit;
@@ -52,7 +52,7 @@ Image sunnyNoise(int width, int height) {
   return image;
 }
 
-/** A file that is gone after the test. */
+/** File that the destructor deletes. */
 class PictureFile {
  public:
   explicit PictureFile(const Image& image, const std::string& name = "light.pfm")
@@ -82,13 +82,12 @@ const EnvironmentLight& environment(const MadeLight& made) {
   return dynamic_cast<const EnvironmentLight&>(*made.light);
 }
 
-/** A smooth surrounding without symmetry, of integral 4π in green. */
+/** Smooth environment without symmetry, whose green integral is 4π. */
 Rgb surrounding(const Vec3d& d) {
   return Rgb(1 + 0.5 * d.x, 1 + 0.3 * d.x - 0.2 * d.y + 0.4 * d.z, 1 + 0.6 * d.y * d.z);
 }
 
-/** The direction in light space of what a viewer sees who looks along -z with +y up; light space has +z up.
- */
+/** Direction in light space (+z up) for a direction of a viewer who looks along -z with +y up. */
 Vec3d fromViewer(const Vec3d& d) { return {d.z, -d.x, d.y}; }
 
 } // namespace
@@ -130,7 +129,7 @@ TEST(LightProbes, IntegralOfALightIsThatOfItsPicture) {
                             : 2 * pi / width * (std::cos(pi * y / height) - std::cos(pi * (y + 1) / height)));
     const EnvironmentMap map(image, m);
     EXPECT_NEAR(map.integral().g / expected.g, 1, 1e-4);
-    // And it is what samples of the light bring.
+    // Samples of the light have the same integral.
     Rgbd sum(0);
     constexpr int N = 200000;
     std::mt19937_64 random(3);
@@ -200,7 +199,7 @@ TEST(LightProbes, CompensatedSamplingTogetherWithUniformSamplingFindsTheSameLigh
     none += map.pdf(d, EnvironmentMap::Sampling::COMPENSATED) == 0;
   }
   EXPECT_NEAR(sum / map.integral().g, 1, 5e-3);
-  EXPECT_GT(none, N / 10); // something is left to the other technique
+  EXPECT_GT(none, N / 10); // the alternative technique is needed
 }
 
 TEST(LightProbes, EveryLayoutShowsTheSameSurrounding) {
@@ -245,7 +244,7 @@ TEST(LightProbes, EveryLayoutShowsTheSameSurrounding) {
                                                         -std::cos(theta));
                                          })),
                     0.05, true);
-  // Towards the rim of a mirror ball a pixel shows a wide range of directions.
+  // Near the rim of a mirror ball a pixel covers a wide range of directions.
   expectSurrounding("mirrorball", pictureOf(4 * N, 4 * N, round([](double x, double y, double r) {
                                               const double z = std::sqrt(1 - r * r);
                                               return Vec3d(2 * x * z, 2 * y * z, 2 * z * z - 1);
@@ -282,7 +281,7 @@ TEST(LightProbes, TransformsTurnThePicture) {
   const PictureFile file(pictureOf(64, 64, [](double u, double v) {
     return surrounding(directionOfPlace(EnvironmentMapping::EQUAL_AREA, {u, v}));
   }));
-  Mat4d turned(1); // light space +z is the scene's +y, and the picture is seen in a mirror
+  Mat4d turned(1); // light space +z is the scene's +y, and the picture is mirrored
   turned[0] = {-1, 0, 0, 0};
   turned[1] = {0, 0, 1, 0};
   turned[2] = {0, 1, 0, 0};
@@ -292,9 +291,9 @@ TEST(LightProbes, TransformsTurnThePicture) {
     EXPECT_NEAR(environment(made).radiance(Vec3f(d)).g, surrounding({-d.x, d.z, d.y}).g, 0.02);
 }
 
-/** Irradiance next to a window under a uniform sky, of radiance 1. */
+/** Irradiance beside a window under a uniform sky of radiance 1. */
 TEST(Portals, UniformSkyThroughAWindowHasTheIrradianceOfItsFormFactor) {
-  // A horizontal window above a corner of which lies the point; p1 - p0 and p3 - p0 make the normal point up.
+  // A horizontal window with one corner above the point; p1 - p0 and p3 - p0 make the normal point up.
   constexpr double A = 1.5, B = 0.75, H = 1.25;
   const MadeLight made = makeLight(
       "infinite", "\"rgb L\" [1 1 1] \"point3 portal\" [0 0 1.25  0 .75 1.25  1.5 .75 1.25  1.5 0 1.25]");
@@ -334,7 +333,7 @@ TEST(Portals, PhotonsGoThroughThePortal) {
     ++through;
     flux += double(s->flux.g) / N;
   }
-  EXPECT_GT(through, N * 2 / 5); // half of the light goes upwards
+  EXPECT_GT(through, N * 2 / 5); // half of the photons go upwards
   EXPECT_NEAR(flux / (pi * 0.1 * 0.05), 1, 0.02);
 }
 
@@ -390,7 +389,7 @@ TEST(LightPictures, BadOnesAreToldOf) {
 
 TEST(IesProfiles, AreReadAndFolded) {
   const std::string head = "IESNA:LM-63-1995\n[TEST] x\nTILT=NONE\n1 1000 2 ";
-  // A cosine lobe downwards of 100 cd, in a file of multiplier 2.
+  // A downward cosine lobe of 100 cd, in a file with the multiplier 2.
   std::string angles, values;
   for (int a = 0; a <= 90; a += 5) {
     angles += std::to_string(a) + (a % 20 ? " " : ",\n");
@@ -436,7 +435,7 @@ TEST(IesProfiles, AreReadAndFolded) {
 TEST(IesProfiles, LightsShineDownAlongMinusY) {
   const MadeLight made = makeLight("goniometric", "\"string profile\" \"scenes/textures/downlight.ies\"");
   ASSERT_TRUE(made.light) << made.told;
-  const auto intensity = [&](const Vec3f& d) { // seen from a distance of 1
+  const auto intensity = [&](const Vec3f& d) { // radiant intensity from the irradiance at a distance of 1
     const auto s = made.light->sampleLi(d, 0.5f, Vec2f(0.5f));
     return s ? s->radiance.g : 0;
   };
@@ -460,7 +459,7 @@ TEST(Projections, ShowTheUpperLeftOfThePictureToTheUpperLeft) {
   EXPECT_NEAR(maxComponent(abs(seen(-0.3f, 0.3f) - Rgb(1, 0, 0))), 0, 1e-5);
   EXPECT_NEAR(maxComponent(abs(seen(0.5f, 0.5f) - Rgb(0, 1, 0))), 0, 1e-5);
   EXPECT_NEAR(maxComponent(abs(seen(-0.5f, -0.1f) - Rgb(0, 0, 1))), 0, 1e-5);
-  EXPECT_EQ(seen(0.6f, 0), BLACK); // beyond 30 degrees
+  EXPECT_EQ(seen(0.6f, 0), BLACK); // outside of 30 degrees
 }
 
 TEST(Skies, AreSmoothAlongTheHorizon) {
@@ -480,8 +479,8 @@ TEST(Skies, AreSmoothAlongTheHorizon) {
 }
 
 TEST(Skies, AreAsBrightAsMeasuredOnes) {
-  // Clear days: the sky alone brings 10 to 20 klx to the ground, of which the model is known to make more;
-  // the sun brings 70 to 100 to what faces it.
+  // On clear days the illuminance of the ground by the sky is 10 to 20 klx, and the model is known to be
+  // brighter; a surface that faces the sun has 70 to 100 klx.
   const MadeLight made =
       makeLight("sky", "\"float elevation\" 45 \"float azimuth\" 90 \"float turbidity\" 3");
   ASSERT_TRUE(made.light) << made.told;
@@ -493,7 +492,7 @@ TEST(Skies, AreAsBrightAsMeasuredOnes) {
     const auto s = made.light->sampleLe({pick, Vec2f(0.5f), sampler.next2D()});
     ASSERT_TRUE(s);
     if (s->direction.z >= 0) continue;
-    // East is +y: where the sun's radiance counts, it is thousands of times that of the sky.
+    // East is +y: within the disc of the sun its radiance is thousands of times the sky's.
     const bool disc = glm::dot(-s->direction, glm::normalize(Vec3f(0, 1, 1))) > std::cos(0.005f);
     (disc ? sun : sky) +=
         double(luminance(s->radiance)) * double(disc ? 1 : -s->direction.z) / double(s->pdfDirection) / N;
@@ -502,7 +501,7 @@ TEST(Skies, AreAsBrightAsMeasuredOnes) {
   EXPECT_LT(sky, 40);
   EXPECT_GT(sun, 60);
   EXPECT_LT(sun, 105);
-  // Bluer than the sun.
+  // The sky is bluer than the sun.
   const Rgb zenith = environment(made).radiance({0, 0, 1});
   EXPECT_GT(zenith.b, 1.5f * zenith.r);
 }
@@ -521,8 +520,8 @@ TEST(Skies, SunStandsWhereTheCalendarSays) {
     }
     return towards;
   };
-  // At the equinox at noon on the equator overhead; in Berlin 90 - 52.5 degrees high in the south, and in the
-  // morning in the east. The equation of time is within half an hour of zero.
+  // At the equinox at noon the sun is overhead on the equator; in Berlin it is 90 - 52.5 degrees high in the
+  // south, and in the east in the morning. The equation of time is at most half an hour.
   EXPECT_GT(brightest("\"integer day\" 80").z, 0.99f);
   const Vec3f noon =
       brightest("\"float latitude\" 52.5 \"float longitude\" 15 \"float timezone\" 1 \"integer day\" 80");

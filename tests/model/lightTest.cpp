@@ -1,6 +1,6 @@
 /** @file
- * Lights: every registered one, from its own examples and on several shapes, keeps its promises about
- * densities, power, and the light that it brings in both passes.
+ * Every registered light, from its own examples and on several shapes: densities, power, and agreement of
+ * both passes.
  */
 #include <gtest/gtest.h>
 
@@ -11,10 +11,10 @@ using namespace recurse;
 
 namespace {
 
-/** A light with what its maker and it refer to. */
+/** Light with the objects that it refers to. */
 struct LightUse {
   std::string text;
-  std::unique_ptr<Shape> shape; ///< of area lights
+  std::unique_ptr<Shape> shape; ///< shape of an area light
   std::unique_ptr<Light> light;
   const Light* operator->() const { return light.get(); }
 };
@@ -23,7 +23,7 @@ constexpr SceneBounds BOUNDS{{0.5f, 0.25f, -0.5f}, 2.5f};
 
 void makeEveryLight(std::vector<LightUse>& uses) {
   Diagnostics diagnostics;
-  Mat4d placed(1); // a rotation, and a place beside the origin
+  Mat4d placed(1); // a rotation and a translation
   placed[0] = {0.6, 0, -0.8, 0};
   placed[1] = {-0.48, 0.8, -0.36, 0};
   placed[2] = {0.64, 0.6, 0.48, 0};
@@ -76,7 +76,7 @@ LeRandom leRandom(uint32_t index) {
   return {pick, position, sampler.next2D()};
 }
 
-/** Mean and standard error of what is added. */
+/** Mean of the added values, with its standard error. */
 class Mean {
  public:
   void add(double x) {
@@ -149,13 +149,13 @@ TEST(Lights, NumbersAtTheEndsOfTheirRangeStartNoRayOfDensityZero) {
             }
 }
 
-/** Radiance of an area light in another direction from the place of a sample. */
+/** Radiance of an area light in a second direction from the position of a sample. */
 static Rgb elsewhere(const LightUse& light, const LeSample& sample, const Vec3f& direction) {
   const auto& area = dynamic_cast<const AreaLight&>(*light.light);
   SurfacePoint point;
   point.position = sample.origin;
   point.geometricNormal = point.shadingNormal = sample.normal;
-  point.uv = {.5f, .5f}; // somewhere on a picture
+  point.uv = {.5f, .5f}; // any point of a picture
   return sample.radiance *
          (luminance(area.radiance(point, direction)) / luminance(area.radiance(point, sample.direction)));
 }
@@ -170,8 +170,8 @@ TEST(Lights, RadianceIsToldForOtherDirections) {
       numbers.direction = leRandom(i + 1000).direction;
       const auto other = light->sampleLe(numbers);
       if (!one || !other) continue;
-      // A sphere's place goes by the direction as well; on a surface the directions are compared at one
-      // place.
+      // For a sphere the position depends on the direction as well; for area lights the directions are
+      // compared at the same point.
       const bool isSurface = light->kind() == LightKind::AREA;
       if (isSurface ? glm::dot(one->normal, other->direction) <= 0
                     : glm::distance(one->normal, other->normal) > 1e-3f)
@@ -202,7 +202,7 @@ TEST(Lights, DensitiesOfEmissionIntegrateToOne) {
       EXPECT_NEAR(directions, 1, 5e-3) << light.text;
     }
     if (light->kind() == LightKind::POINT) continue;
-    // The area is the mean of one over the density of its points.
+    // The area is the mean of 1 / density over sampled points.
     Mean area;
     for (uint32_t i = 0; i < 20000; ++i)
       if (const auto s = light->sampleLe(leRandom(i))) area.add(1 / double(s->pdfPosition));
@@ -239,7 +239,7 @@ TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
       if (!light.light->isInfinite()) {
         ASSERT_NEAR(glm::distance(from + s->direction * s->distance, s->target), 0, 1e-4) << light.text;
       }
-      if (light.light->isInfinite()) { // a ray of the light that comes to the point
+      if (light.light->isInfinite()) { // a ray of the light through the point
         const LePdf told = light->pdfLe(s->emitted()),
                     expected = light->pdfLe({from + s->direction, -s->direction});
         ASSERT_NEAR(told.position, expected.position, 1e-3f * expected.position) << light.text;
@@ -261,23 +261,23 @@ TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
     }
 }
 
-/** The forward pass and the backward pass tell the same of the light that comes to a disc. */
+/** Flux onto a disc by the forward pass is equal to the flux by the backward pass. */
 TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
   constexpr float RADIUS = 0.6f;
   for (const LightUse& light : everyLight()) {
     Vec3f center(0.75f, 0.5f, -1);
-    if (!light.light->isInfinite()) { // may shine in one direction only
+    if (!light.light->isInfinite()) { // the light may be directional
       const auto s = light->sampleLe(leRandom(3));
       ASSERT_TRUE(s) << light.text;
       center = s->origin + s->direction * 1.25f;
     }
     const Frame frame(glm::normalize(Vec3f(0.4f, -0.5f, 1)));
-    // A closed surface is in its own way.
+    // A closed surface may occlude itself.
     const auto blocked = [&](const Vec3f& origin, const Vec3f& direction, float distance) {
       return light.shape && !light.shape->triangleMesh() &&
              light.shape->intersect(0, origin, direction, 0, distance);
     };
-    // Of surroundings, what is not brighter than the rest is left to uniform sampling.
+    // Compensated sampling of environments leaves the darker part to uniform sampling.
     const auto* sky = dynamic_cast<const EnvironmentLight*>(light.light.get());
     constexpr float UNIFORM = 1 / (4 * PI);
     Mean photons, sampled;
@@ -306,7 +306,7 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
     EXPECT_NEAR(photons.value(), sampled.value(),
                 4 * std::hypot(photons.error(), sampled.error()) + 1e-4 * sampled.value())
         << light.text;
-    EXPECT_LT(photons.error(), 0.1 * photons.value()) << light.text; // it has seen something
+    EXPECT_LT(photons.error(), 0.1 * photons.value()) << light.text; // the disc receives light
   }
 }
 
@@ -335,7 +335,7 @@ TEST(DiffuseLight, ExponentGivesAPowerOfTheCosine) {
       EXPECT_NEAR(double(one->radiance(point, up).r), expected, 1e-3 * expected + 1e-30) << n;
       EXPECT_TRUE(isBlack(one->radiance(point, down))) << n;
       EXPECT_EQ(both->radiance(point, down), both->radiance(point, up)) << n;
-      // Photons start in proportion to radiance times cosine.
+      // The density of photons is proportional to radiance times cosine.
       const LeRay ray{point.position, up, point.geometricNormal};
       EXPECT_NEAR(double(one->pdfLe(ray).direction), expected / 3 * double(up.z) / integral,
                   1e-3 * expected / integral + 1e-30)
@@ -348,7 +348,7 @@ TEST(DiffuseLight, ExponentGivesAPowerOfTheCosine) {
       EXPECT_NEAR(double(s->flux.r), double(one->power().r), 1e-4 * double(one->power().r)) << n;
     }
   }
-  // Without the exponent, not one bit is different.
+  // The exponent 0 has the same bits as no exponent.
   const auto plain = make("\"rgb L\" [3 2 1]"), zero = make("\"rgb L\" [3 2 1] \"float exponent\" 0");
   for (uint32_t i = 0; i < 1000; ++i) {
     const auto a = plain->sampleLe(leRandom(i)), b = zero->sampleLe(leRandom(i));

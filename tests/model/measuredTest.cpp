@@ -1,5 +1,5 @@
 /** @file
- * MERL files: what is written at an angle is found at that angle, and broken files are explained.
+ * MERL files: the value written for an angle is read at that angle, and broken files are explained.
  */
 #include <cstring>
 #include <filesystem>
@@ -12,7 +12,8 @@ using namespace recurse;
 
 namespace {
 
-using Table = std::function<Rgbd(double half, double difference, double azimuth)>; // [1/sr] of angles
+using Table =
+    std::function<Rgbd(double half, double difference, double azimuth)>; // [1/sr] as a function of angles
 
 /** A file of the format: entries by the root of the half angle, by the difference angle and its azimuth. */
 std::string merlFile(int halves, int differences, int azimuths, const Table& table) {
@@ -30,7 +31,7 @@ std::string merlFile(int halves, int differences, int azimuths, const Table& tab
   return bytes;
 }
 
-/** What scenes/materials/satin.binary holds: a made-up cloth, so that a file of the format is at hand. */
+/** Content of scenes/materials/satin.binary: a synthetic cloth, as a small file of the format. */
 Rgbd satin(double half, double difference, double) {
   const double t = std::min(half, 1.5), a = 0.18, c = std::cos(difference);
   const double d = std::exp(-square(std::tan(t) / a)) / (M_PI * a * a * std::pow(std::cos(t), 4));
@@ -69,7 +70,7 @@ class Measured : public ::testing::Test {
 } // namespace
 
 TEST_F(Measured, FindsEveryAngle) {
-  // Even in the azimuth's period, so that both directions agree; nearly linear between the entries.
+  // Periodic in the azimuth, so that both directions agree; nearly linear between the entries.
   const Table smooth = [](double half, double difference, double azimuth) {
     return Rgbd(0.1 + 0.05 * half, 0.1 + 0.05 * difference, 0.1 + 0.03 * std::cos(2 * azimuth));
   };
@@ -80,8 +81,8 @@ TEST_F(Measured, FindsEveryAngle) {
   const Bsdf* bsdf = material->bsdfAt(flatPoint(), arena);
   TestRandom random(3);
   for (int i = 0; i < 20000; ++i) {
-    // From the angles to directions, by the definition (Rusinkiewicz 1998): the difference vector is the
-    // first direction, turned with the half vector into the normal.
+    // Directions from angles by the definition (Rusinkiewicz 1998): the difference vector is the first
+    // direction in the frame where the half vector is the normal.
     const double half = std::acos(1 - double(random.next())), phi = 2 * M_PI * double(random.next());
     const double difference = std::acos(double(random.next())), azimuth = M_PI * double(random.next());
     const Vec3d d(std::sin(difference) * std::cos(azimuth), std::sin(difference) * std::sin(azimuth),
@@ -94,8 +95,9 @@ TEST_F(Measured, FindsEveryAngle) {
     };
     const Vec3f a = toWorld(d), b = toWorld({-d.x, -d.y, d.z});
     if (a.z < 0.01f || b.z < 0.01f || half < 0.01 || difference < 0.01) continue;
-    const Rgbd expected = smooth(std::min(half, M_PI / 2 * square(89.0 / 90)), // the last entry goes on
-                                 std::min(difference, M_PI / 2 * 89 / 90), azimuth);
+    const Rgbd expected =
+        smooth(std::min(half, M_PI / 2 * square(89.0 / 90)), // the last entry is constant beyond
+               std::min(difference, M_PI / 2 * 89 / 90), azimuth);
     const Rgbd found(bsdf->value(a, b));
     for (int c = 0; c < 3; ++c)
       ASSERT_NEAR(found[c], expected[c], 2e-4) << c << " " << half << " " << difference;

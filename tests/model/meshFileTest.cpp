@@ -1,6 +1,6 @@
 /** @file
- * Models through Assimp: places, materials, pictures, lights and cameras of small files that are written
- * here.
+ * Models through Assimp: positions, materials, pictures, lights and cameras of small files that the tests
+ * write.
  */
 #include <cstring>
 #include <filesystem>
@@ -70,7 +70,7 @@ TEST_F(MeshFile, AMeshInSeveralNodesIsOneObject) {
   ASSERT_EQ(scene.instances.size(), 2u);
   EXPECT_EQ(Vec3d(scene.instances[1].worldFromInstance[3]), Vec3d(1, 0, 5));
   EXPECT_TRUE(build(scene));
-  // Inside of an object, which cannot hold another, the shapes are there twice.
+  // An object cannot contain a second object, so it has the shapes twice.
   const SceneDescription nested =
       load("ObjectBegin \"o\" Shape \"mesh\" \"string filename\" \"m.gltf\" ObjectEnd\n"
            "ObjectInstance \"o\"");
@@ -127,7 +127,7 @@ TEST_F(MeshFile, MetalAndRoughnessBecomeConductorPlasticOrBoth) {
 }
 
 TEST_F(MeshFile, PicturesLieTheRightWayUp) {
-  // Upper half red, lower half blue: glTF's v = 0 is the upper edge, which is the triangle's lower corner.
+  // Upper half red, lower half blue: glTF's v = 0 is the upper edge, at the lower corner of the triangle.
   Image picture(2, 2, {"R", "G", "B"});
   for (int x = 0; x < 2; ++x) {
     picture.at(x, 0)[0] = 1;
@@ -202,7 +202,7 @@ TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
   EXPECT_NEAR(camera[3].x, 5, 1e-6);
   EXPECT_NEAR(camera[3].z, 8, 1e-6);
   EXPECT_NEAR(camera[2].z, -1, 1e-6); // forward
-  EXPECT_NEAR(camera[0].x, 1, 1e-6);  // what is to the right stays there
+  EXPECT_NEAR(camera[0].x, 1, 1e-6);  // not mirrored
   EXPECT_FALSE(scene.worldFromCameraLast);
   const SceneDescription moving =
       load("ActiveTransform EndTime Translate 0 2 0 ActiveTransform All "
@@ -291,7 +291,7 @@ TEST_F(MeshFile, PlyFilesAreReadByOurOwnReader) {
   EXPECT_NE(messages.find("1 vertices are not finite"), std::string::npos) << messages;
   ASSERT_TRUE(scene);
   EXPECT_EQ(scene->contents().triangles, 1u);
-  EXPECT_NEAR(scene->origin().x, 7.5, 1e-6); // the vertex that no face uses counts for nothing
+  EXPECT_NEAR(scene->origin().x, 7.5, 1e-6); // the bounds exclude a vertex without faces
 }
 
 TEST_F(MeshFile, NodesThatFlattenOrOverflowAreLeftOut) {
@@ -308,7 +308,7 @@ TEST_F(MeshFile, NodesThatFlattenOrOverflowAreLeftOut) {
 }
 
 TEST_F(MeshFile, FaultsOfAssimpAreErrorsThatNameTheFile) {
-  // Assimp 5.2 goes down a level of recursion for each node, and no stack is enough for these.
+  // Assimp 5.2 recurses into each node, and no stack is large enough for this depth.
   constexpr int DEPTH = 200000;
   std::string nodes;
   for (int i = 0; i < DEPTH; ++i) nodes += "<node>";
@@ -340,7 +340,7 @@ TEST_F(MeshFile, ErrorsInsideOfOneNameItAndItsDirective) {
 
 TEST_F(MeshFile, MemoryBeyondItsSizeIsRefused) {
   if (SANITIZED) GTEST_SKIP() << "sanitizers end a program that runs out of memory";
-  // A word among the indices of a COLLADA file, and a stride that is none.
+  // A word among the indices of a COLLADA file, and an invalid stride.
   write("m.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
 version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
 <source id="p"><float_array id="pa" count="12">-1 -1 0 1 -1 0 1 1 0 -1 1 0</float_array><technique_common>

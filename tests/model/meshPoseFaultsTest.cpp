@@ -20,7 +20,7 @@ TEST_F(MeshPoseFaults, IntegersThatAssimpMisreadsAreErrors) {
       std::string::npos)
       << messages;
   EXPECT_EQ(messages.find("accepted:"), std::string::npos) << messages;
-  pose(""); // without a pose they do not matter
+  pose(""); // they have no effect without a pose
   EXPECT_EQ(messages, "");
   std::string text = bendingStrip();
   const std::string weights = R"({"bufferView":4,"componentType":5126)";

@@ -1,5 +1,5 @@
 /** @file
- * Models at a time of their animations: node keyframes, skeletons and morph targets against closed forms.
+ * Models at a time of their animation: node keyframes, skeletons and morph targets against closed forms.
  */
 #include "model/meshPoseTesting.h"
 
@@ -105,7 +105,7 @@ TEST_F(MeshPose, BonesBendAStripByARightAngle) {
 }
 
 TEST_F(MeshPose, WeightsBlendPositionsAndNormalsByTheInverseTranspose) {
-  // One triangle; the bone of weight .25 is stretched along y by 5 and moved along z by 8, the other is
+  // One triangle; the bone of weight .25 is stretched along y by 5 and moved along z by 8, the second bone is
   // fixed: the mean stretches by 2 and moves by 2. Weights need not add up to 1.
   GltfFile f;
   const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}),
@@ -216,7 +216,9 @@ TEST_F(MeshPose, FramesAtTimesOfStepsShowThem) {
 
 TEST_F(MeshPose, RotationsTakeTheShortestWay) {
   GltfFile f;
-  const int times = f.floats("SCALAR", {0, 1}), // the second keyframe is the negative of a turn by 90 degrees
+  const int times =
+                f.floats("SCALAR",
+                         {0, 1}), // the second keyframe is the negated quaternion of a rotation by 90 degrees
       turns = f.floats("VEC4", {0, 0, 0, 1, 0, 0, -HALF_SQRT2, -HALF_SQRT2});
   write("m.gltf", triangleInNode(f, "", "{" + channelMembers(0, "rotation", times, turns) + "}"));
   for (const double time : {0.25, 0.5, 1.0})

@@ -1,5 +1,5 @@
 /** @file
- * Models with animations, made by tests, and their closed forms.
+ * Models with animations for tests, and their closed forms.
  */
 #pragma once
 
@@ -55,8 +55,8 @@ inline Vec3d turnedAboutZ(const Vec3d& v, double angle) {
 
 inline const std::vector<Vec3d> TRIANGLE = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
-/** A triangle in nodes of which "arm" moves from x = 0 to 4 until 2 s, turns by 90° about z until 1 s, and
- * grows along y from 1 to 3 between 1 s and 2 s. Under it are a camera and a lamp. */
+/** A triangle in nodes; "arm" moves from x = 0 to 4 until 2 s, turns by 90° about z until 1 s, and grows
+ * along y from 1 to 3 between 1 s and 2 s. Its children include a camera and a lamp. */
 inline std::string movingTriangle(const std::string& interpolation = "LINEAR", bool isBinary = false) {
   GltfFile f;
   const int triangle = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0}), twoTimes = f.floats("SCALAR", {0, 2}),
@@ -93,12 +93,10 @@ inline Vec3d movedTriangle(const Vec3d& p, double time) {
   return turnedAboutZ({p.x, size * p.y, p.z}, turn) + Vec3d(2 * t, 10, 0);
 }
 
-/**
- * A strip of six vertices up to y = 2, two at each of y = 0, 1, 2, of two bones: the lower one is fixed, the
- * upper one turns about the x axis through (0, 1, 0) by 90° in a second. Vertices at y = 1 belong to each
- * half. After them come two triangles that touch at (3, 1, 0), one of each bone. The node of the mesh is
- * elsewhere.
- */
+/** A strip of six vertices up to y = 2, two at each of y = 0, 1, 2, with two bones: the lower one is fixed,
+ * the upper one turns about the x axis through (0, 1, 0) by 90° in a second. Vertices at y = 1 belong to both
+ * halves. Two triangles with a common vertex at (3, 1, 0) follow, one for each bone. The node of the mesh has
+ * a different position. */
 inline std::string bendingStrip(const std::string& upperBone = R"("name":"upper")") {
   GltfFile f;
   const int positions = f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 1, 2, 0,
@@ -129,8 +127,8 @@ inline std::string bendingStrip(const std::string& upperBone = R"("name":"upper"
       indexText(times) + R"(,"output":)" + indexText(turns) + "}]}]");
 }
 
-/** A triangle with two morph targets in two nodes, with static weights .5 and 0. In the animation the first
- * node's weights go from 0, 1 to 1, 0 in two seconds. */
+/** A triangle with two morph targets in two nodes, with static weights .5 and 0. In the animation the weights
+ * of the first node change from 0, 1 to 1, 0 in two seconds. */
 inline std::string morphingTriangle(bool isAnimated, const std::string& interpolation = "LINEAR") {
   const bool isSpline = interpolation == "CUBICSPLINE";
   GltfFile f;
@@ -155,7 +153,7 @@ inline std::string morphingTriangle(bool isAnimated, const std::string& interpol
   return f.text(members);
 }
 
-/** Keyframes of a property of a node, as an animation's members. */
+/** Keyframes of a property of a node, as members of an animation. */
 inline std::string channelMembers(int node, const std::string& property, int times, int values,
                                   const std::string& interpolation = "LINEAR") {
   return R"("channels":[{"sampler":0,"target":{"node":)" + indexText(node) + R"(,"path":")" + property +
@@ -172,8 +170,8 @@ inline std::string triangleInNode(GltfFile& f, const std::string& node, const st
 }
 
 /** A triangle in the node "skinned", which follows the joint "a"; the second joint is "b". `joint` and
- * `other`: further members of the nodes "a" and "other". The two skins have `matrices` inverse bind matrices.
- * `hasTwoSets`: the vertices have a second set of weights, of integers. */
+ * `other`: additional members of the nodes "a" and "other". The two skins have `matrices` inverse bind
+ * matrices. `hasTwoSets`: the vertices have a second set of weights, of integers. */
 inline std::string skinnedTriangle(int matrices, const std::string& joint = {}, const std::string& other = {},
                                    bool hasTwoSets = false) {
   GltfFile f;

@@ -20,13 +20,13 @@ struct Interval {
   double low, high;
 };
 
-/** A field along a line, and bounds of it over a part of the line. */
+/** Field along a line, and its bounds over a part of the line. */
 struct Field {
   std::vector<Ball> balls;
   double threshold = 0.5;
   std::string kind;
 
-  /** By the squared distance in radii. */
+  /** Field of a ball by the squared distance in radii. */
   double fall(double q) const {
     if (q >= 1) return 0;
     if (kind == "wyvill") return 1 - 22 / 9.0 * q + 17 / 9.0 * q * q - 4 / 9.0 * q * q * q;
@@ -58,7 +58,7 @@ struct Field {
     }
     return f;
   }
-  /** Roots by bisection of whatever may hold one, down to `resolution`. */
+  /** Roots by bisection of all intervals that may contain one, down to `resolution`. */
   void roots(const Vec3d& o, const Vec3d& d, double t0, double t1, double resolution,
              std::vector<double>& found) const {
     const Interval f = over(o, d, t0, t1);
@@ -135,7 +135,7 @@ TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
 }
 
 TEST(Metaballs, ThinNecksAreNotLost) {
-  // Two balls whose fields add up to little more than the threshold in the middle: rays through the neck meet
+  // Two balls whose sum of fields is slightly above the threshold in the middle: rays through the neck hit
   // it.
   const double reach = std::sqrt(1 - std::sqrt(0.25)); // where one field is 1/4
   for (const double closer : {1e-3, 1e-5, 1e-7, 1e-9}) {
@@ -160,7 +160,7 @@ TEST(Metaballs, ThinNecksAreNotLost) {
 }
 
 TEST(Metaballs, RaysFindTheNearestInAnyCloud) {
-  // The renderer looks at rays piece by piece: the same as the whole line at once.
+  // The renderer traces rays in segments: the result is the same as for the whole line.
   Random random(33);
   std::ostringstream text;
   text << "\"float radius\" .08 \"point3 P\" [";
@@ -186,7 +186,7 @@ TEST(Metaballs, RaysFindTheNearestInAnyCloud) {
 }
 
 TEST(Metaballs, TimeGrowsNoFasterThanTheirNumber) {
-  // Rays through clouds in which each ball reaches over half of the others.
+  // Time of rays through clouds in which each ball reaches half of all balls.
   const auto secondsFor = [](int count) {
     Random random(34);
     std::ostringstream text;
@@ -208,7 +208,7 @@ TEST(Metaballs, TimeGrowsNoFasterThanTheirNumber) {
     }
     return now() - start;
   };
-  secondsFor(250); // the first has to read the program
+  secondsFor(250); // the first call loads the code
   const auto fastest = [&](int count) {
     return std::min({secondsFor(count), secondsFor(count), secondsFor(count)});
   };

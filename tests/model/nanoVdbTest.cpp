@@ -1,6 +1,5 @@
 /** @file
- * NanoVDB files: the values that a writer put in, in all kinds of numbers that are read, and errors for what
- * is damaged.
+ * NanoVDB files: values as written, in every supported type of number, and errors for damaged files.
  */
 #include "model/nanoVdbTesting.h"
 
@@ -32,7 +31,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Two clusters far apart, on both sides of 0. */
+/** Two distant clusters, on both sides of 0. */
 WrittenGrid clusters() {
   WrittenGrid g;
   std::mt19937 random(3);
@@ -79,7 +78,7 @@ TEST(NanoVdb, ValuesAreWhereTheyWerePut) {
   EXPECT_EQ(found.values.value({100, 0, 0}), 0); // between the clusters
   EXPECT_EQ(found.values.value({1 << 20, 0, 0}), 0);
   EXPECT_EQ(transformPoint(found.worldFromIndex, Vec3d(8, 16, -4)), Vec3d(3, 2, 2));
-  // Between four of the eight values around it.
+  // Value interpolated between four of the eight neighbours.
   const auto v = [&](int x, int y) { return double(found.values.value({x, y, 2})); };
   EXPECT_NEAR(found.values.at({3.25, 5.5, 2}),
               0.75 * (v(3, 5) + v(3, 6)) / 2 + 0.25 * (v(4, 5) + v(4, 6)) / 2, 1e-5);
@@ -107,7 +106,7 @@ TEST(NanoVdb, GridsAreFoundByTheirNames) {
   const std::string one = NanoVdbWriter::file({density, heat});
   EXPECT_EQ(read(one).values.value({1, 2, 3}), 4);
   EXPECT_EQ(read(one, "temperature").values.value({1, 2, 3}), 900);
-  // Segments may follow each other.
+  // A file may have several segments.
   const std::string two = NanoVdbWriter::file({density}) + NanoVdbWriter::file({heat});
   EXPECT_EQ(read(two, "temperature").values.value({1, 2, 3}), 900);
   std::vector<std::string> others;
@@ -151,7 +150,7 @@ TEST(NanoVdb, DamageIsToldWithItsPlace) {
   for (size_t axis = 0; axis < 3; ++axis) NanoVdbWriter::put(large, root + 12 + 4 * axis, (1 << 24) - 1);
   expectHas(errorOf(large),
             "smoke.nvdb: grid \"density\": a grid of 2097152 x 2097152 x 2097152 blocks needs");
-  std::string shared = good; // the lower node is the child of 64 places
+  std::string shared = good; // 64 entries have the same lower node as their child
   for (size_t i = 0; i < 64; ++i) {
     shared[upper + 32 + 4096 + i / 8] = '\xff';
     NanoVdbWriter::put(shared, upper + 8256 + 8 * i, int64_t(NanoVdbWriter::UPPER));
@@ -167,7 +166,7 @@ TEST(NanoVdb, NoBytesAreTrusted) {
   g(1, 2, 3) = 4;
   g(130, -5, 9) = 2;
   const std::string good = NanoVdbWriter::file({g});
-  // Places that say something: all but the tables of inner nodes, which are nearly empty.
+  // Bytes that matter: all but the tables of inner nodes, which are nearly empty.
   std::vector<size_t> places;
   for (size_t i = 0; i < good.size(); ++i)
     if (i < 1200 || good[i] != 0) places.push_back(i);
@@ -199,7 +198,7 @@ TEST(NanoVdb, NoBytesAreTrusted) {
 #ifdef RECURSE_HAS_NANOVDB
 namespace {
 
-/** Writes the clusters by NanoVDB's own builder, and compares with its own reader. */
+/** Writes the clusters by NanoVDB's own builder, and compares with NanoVDB's reader. */
 template <class Build> void expectSameAsNanoVdb(nanovdb::io::Codec codec) {
   nanovdb::GridBuilder<float, Build> builder(0.0f);
   auto set = builder.getAccessor();

@@ -1,5 +1,5 @@
 /** @file
- * Writes small NanoVDB files, byte by byte, so that tests have some, and damaged ones.
+ * Writes small NanoVDB files for tests byte by byte, and damaged ones.
  */
 #pragma once
 
@@ -20,9 +20,9 @@ namespace recurse::testing {
 /** A grid of floats in leaves of 8³ values. */
 struct WrittenGrid {
   std::string name = "density";
-  std::map<std::array<int, 3>, std::array<float, 512>> leaves; ///< by their origin
+  std::map<std::array<int, 3>, std::array<float, 512>> leaves; ///< leaves by their origin
   double voxel = 1;                                            ///< width of a voxel
-  Vec3d origin{0};                                             ///< of the grid, in the world
+  Vec3d origin{0};                                             ///< origin of the grid in the world
 
   float& operator()(int x, int y, int z) {
     std::array<float, 512>& leaf = leaves.try_emplace({x & ~7, y & ~7, z & ~7}).first->second;
@@ -51,7 +51,7 @@ class NanoVdbWriter {
     }
     return bytes + all;
   }
-  /** Where the first grid of a file of one begins. */
+  /** Offset of the first grid in a file with one segment. */
   static size_t firstGrid(const WrittenGrid& g) { return 16 + 176 + g.name.size() + 1; }
   template <class T> static void put(std::string& bytes, size_t at, T value) {
     std::memcpy(bytes.data() + at, &value, sizeof value);
@@ -62,7 +62,7 @@ class NanoVdbWriter {
   static constexpr uint32_t VERSION = 32u << 21 | 4u << 10;
 
   static std::string grid(const WrittenGrid& g) {
-    std::map<std::array<int, 3>, size_t> uppers, lowers; // by origin: where they stand
+    std::map<std::array<int, 3>, size_t> uppers, lowers; // positions in the file, by origin
     std::array<int, 3> low{1 << 30, 1 << 30, 1 << 30}, high{-(1 << 30), -(1 << 30), -(1 << 30)};
     for (const auto& [at, values] : g.leaves) {
       uppers[masked(at, 4095)] = lowers[masked(at, 127)] = 0;
@@ -123,7 +123,7 @@ class NanoVdbWriter {
   }
 };
 
-/** A file for the time of a test. */
+/** A temporary file of a test. */
 class NanoVdbFile {
  public:
   explicit NanoVdbFile(const std::vector<WrittenGrid>& grids) : NanoVdbFile(NanoVdbWriter::file(grids)) {}
@@ -138,7 +138,7 @@ class NanoVdbFile {
   NanoVdbFile& operator=(const NanoVdbFile&) = delete;
 
   std::string parameter() const { return "\"string filename\" \"" + path + "\" "; }
-  const std::filesystem::path folder; ///< of this process
+  const std::filesystem::path folder; ///< folder of this process
   const std::string path;
 };
 

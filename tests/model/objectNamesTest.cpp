@@ -1,5 +1,5 @@
 /** @file
- * Names of objects: unique, and as the scene file gives them.
+ * Names of objects: unique, and equal to the names in the scene file.
  */
 #include <gtest/gtest.h>
 

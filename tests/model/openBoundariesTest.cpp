@@ -1,5 +1,5 @@
 /** @file
- * Boundaries of media that do not close are told, and those that close are not.
+ * Warnings about boundaries of media that are not closed, and none about closed ones.
  */
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ using namespace recurse;
 
 namespace {
 
-/** The warnings of a scene whose media are "m" and "n". */
+/** Warnings of a scene with the media "m" and "n". */
 std::string warningsOf(const std::string& shapes) {
   Diagnostics diagnostics;
   const std::string text = "Camera \"perspective\"\nWorldBegin\n"
@@ -25,7 +25,7 @@ std::string warningsOf(const std::string& shapes) {
 
 void expectClosed(const std::string& shapes) { EXPECT_EQ(warningsOf(shapes), "") << shapes; }
 
-/** One warning, at line 7 unless said otherwise. */
+/** Expects one warning, by default at line 7. */
 void expectOpen(const std::string& shapes, int edges, int line = 7) {
   const std::string told = warningsOf(shapes), title = "warning: the boundary between ";
   EXPECT_NE(told.find("test.pbrt:" + std::to_string(line) + ":7: " + title), std::string::npos)
@@ -44,7 +44,7 @@ std::string mesh(const std::string& indices) {
   return "Shape \"trianglemesh\" \"integer indices\" [" + indices + "] " + CUBE_POINTS;
 }
 
-/** The faces of a cube from `first` on, a mesh each. */
+/** Faces of a cube from `first` on, each as a separate mesh. */
 std::string faces(size_t first) {
   std::string out;
   for (size_t i = first; i < 6; ++i) out += mesh(SIX_FACES[i]);
@@ -71,7 +71,7 @@ TEST(OpenBoundaries, ShapesThatCloseAreNotTold) {
   std::string cube;
   for (const std::string& face : SIX_FACES) cube += face + " ";
   expectClosed(mesh(cube));
-  // Vertices that are given once for each face.
+  // Each face has vertices of its own.
   expectClosed("Shape \"trianglemesh\" \"integer indices\" [0 2 1 3 4 5 6 7 8 9 10 11] \"point3 P\" [0 0 0 1 "
                "0 0 0 1 0 "
                "0 0 0 1 0 0 0 0 1  0 0 0 0 0 1 0 1 0  1 0 0 0 1 0 0 0 1]\n");
@@ -84,12 +84,12 @@ TEST(OpenBoundaries, ShapesThatCloseTogetherAreNotTold) {
   for (const char* corners : {"0 1 2 3", "4 5 6 7", "0 1 4 5", "2 3 6 7", "0 2 4 6", "1 3 5 7"})
     patches += "Shape \"bilinearmesh\" \"integer indices\" [" + std::string(corners) + "] " + CUBE_POINTS;
   expectClosed(patches);
-  // The top in two halves: its edges are parts of those of the sides.
+  // The top has two halves: its edges are parts of the edges of the sides.
   expectClosed(mesh(SIX_FACES[0]) + faces(2) + quad("0 0 1 .5 0 1 .5 1 1 0 1 1") +
                quad("1 0 1 .5 0 1 .5 1 1 1 1 1"));
-  // Turned the other way round with the sides exchanged.
+  // A face of opposite orientation with exchanged media.
   expectClosed(faces(1) + "ReverseOrientation\nMediumInterface \"\" \"m\"\n" + mesh(SIX_FACES[0]));
-  // Two media that have a wall in common.
+  // Two media with a common wall.
   expectClosed(faces(1) + "MediumInterface \"n\" \"\"\nScale 1 1 -1\nReverseOrientation\n" + faces(1) +
                "MediumInterface \"m\" \"n\"\n" + mesh(SIX_FACES[0]));
   expectClosed("ObjectBegin \"o\"\n" + faces(0) +
@@ -110,7 +110,7 @@ TEST(OpenBoundaries, OpaqueSurfacesClose) {
 
 TEST(OpenBoundaries, OpenOnesAreToldOnceWithTheirPlace) {
   expectOpen(quad("0 0 0 1 0 0 1 1 0 0 1 0"), 4);
-  expectOpen(faces(1), 4, 8); // the first that has an open edge
+  expectOpen(faces(1), 4, 8); // the first shape with an open edge
   expectOpen(mesh("0 3 1 " + SIX_FACES[1]), 7);
   expectOpen("Shape \"disk\"\n", 16);
   expectOpen(SIDES, 32);
@@ -133,7 +133,7 @@ TEST(OpenBoundaries, OpenOnesAreToldOnceWithTheirPlace) {
 }
 
 TEST(OpenBoundaries, ABoundaryOfVeryManyEdgesIsLookedAtInParts) {
-  // 150,000 triangles of which none joins another.
+  // 150,000 separate triangles.
   std::string points, indices;
   for (int i = 0; i < 150000; ++i) {
     const std::string x = std::to_string(i % 400), y = std::to_string(i / 400);

@@ -1,5 +1,5 @@
 /** @file
- * Warps of tabulated densities against the integrals of these.
+ * Warps of tabulated densities against the integrals of the densities.
  */
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t COLUMNS = 5, ROWS = 4;
 
-/** Two nodes of each parameter; the last slice has a cell, and a row of cells, that is empty. */
+/** Two nodes for each parameter; the last slice has an empty cell, and an empty row of cells. */
 std::vector<float> tables() {
   std::mt19937 engine(3);
   std::vector<float> values;
@@ -64,7 +64,7 @@ TEST(ParametricWarp, ChanceOfEveryPartIsTheIntegralOfTheBlendedDensities) {
   const ParametricWarp warp(COLUMNS, ROWS, values);
   const SliceBlend blend = GRID.at(.3f, 4);
   const SliceTable<float> table(COLUMNS, ROWS, values);
-  // The density by the definition: each slice by its own integral.
+  // Density by definition: each slice is normalised by its own integral.
   constexpr int PARTS = 6, N = 60;
   std::array<double, 4> whole{};
   const auto integral = [&](uint32_t slice, const Vec2d& low, double width) {

@@ -1,6 +1,6 @@
 /** @file
- * What holds for every registered sampler: uniform numbers, strata as claimed, independent pixels unless the
- * error is to be blue noise, no bias, and the same numbers whoever asks.
+ * Properties of every registered sampler: uniform numbers, strata as claimed, independent pixels except for
+ * blue-noise samplers, no bias, and numbers that depend only on their position.
  */
 #include <array>
 #include <cmath>
@@ -38,7 +38,7 @@ std::vector<Vec2f> pairsOf(const PixelSampler& sampler, const PixelSample& sampl
   return out;
 }
 
-/** Chi-square statistic of counts that should be equal, less its mean and in standard deviations. */
+/** Chi-square statistic of counts with equal expectations, minus its mean, in standard deviations. */
 double excess(const std::vector<size_t>& counts) {
   const double expected =
       double(std::accumulate(counts.begin(), counts.end(), size_t(0))) / double(counts.size());
@@ -74,7 +74,7 @@ TEST(PixelSamplers, NumbersAreUniformInEachDimensionAndEachPair) {
     std::array<std::array<std::vector<size_t>, 3>, PAIRS.size()> counts;
     for (auto& c : counts) c = {std::vector<size_t>(64), std::vector<size_t>(64), std::vector<size_t>(64)};
     for (uint32_t i = 0; i < 1 << 13; ++i) {
-      // One sample of each pixel: those of one pixel are not independent.
+      // One sample of each pixel, because samples of the same pixel are not independent.
       const auto pairs =
           pairsOf(sampler, {1, i % 128, i / 128, uint32_t(mixBits(uint64_t(i)) % 16), 16}, 141);
       for (size_t k = 0; k < PAIRS.size(); ++k) {
@@ -106,7 +106,7 @@ TEST(PixelSamplers, DimensionsHaveTheStrataThatTheSamplerClaims) {
       }
     }
   });
-  // The claims are not empty.
+  // The claims are not trivial.
   EXPECT_EQ(makePixelSampler("independent", "")->strata(0, 16), 1u);
   for (const char* name : {"stratified", "halton", "sobol", "paddedsobol", "zsobol"})
     EXPECT_EQ(makePixelSampler(name, "")->strata(0, 16), 16u) << name;
@@ -137,7 +137,7 @@ TEST(PixelSamplers, WithoutJitterStratifiedSamplesAreCentres) {
 
 TEST(PixelSamplers, ErrorsOfNeighboursAreIndependentOrTakeEachOtherAway) {
   constexpr uint32_t SIZE = 64;
-  constexpr double SIGMA = 1.0 / SIZE; // of a correlation
+  constexpr double SIGMA = 1.0 / SIZE; // standard deviation of a correlation
   forEachPixelSampler([&](const PixelSampler& sampler, const std::string& name) {
     for (const uint32_t samples : {1, 16}) {
       std::vector<double> errors;
@@ -175,7 +175,8 @@ TEST(PixelSamplers, IntegralsHaveNoBias) {
     const double mean = sum / ESTIMATES, variance = squares / ESTIMATES - square(mean);
     EXPECT_NEAR(mean, 1, 4.5 * std::sqrt(variance / ESTIMATES)) << name;
     if (name == "independent ") independentVariance = variance;
-    // The variance of a product of independent numbers is known; others have less.
+    // The variance of a product of independent numbers is known; all samplers except `independent` have a
+    // smaller one.
     const double second = (std::exp(2.0) - 1) / 2 / square(std::exp(1.0) - 1);
     const double independent = (std::pow(second, 6) - 1) / 15;
     if (name == "independent ")
@@ -201,7 +202,7 @@ TEST(PixelSamplers, SeedsIndicesAndForksHaveOtherNumbers) {
   forEachPixelSampler([&](const PixelSampler& sampler, const std::string& name) {
     std::set<float> numbers;
     for (uint64_t seed = 0; seed < 4; ++seed)
-      for (uint32_t i = 0; i < 64; ++i) { // more than the 16 that were requested
+      for (uint32_t i = 0; i < 64; ++i) { // more samples than the requested 16
         Sampler s = sampler.sampler({seed, 1, 2, i, 16});
         numbers.insert(s.next1D());
         for (uint32_t branch = 0; branch < 2; ++branch) numbers.insert(s.fork(branch).next1D());

@@ -1,5 +1,5 @@
 /** @file
- * What holds for every registered plug-in, whatever its kind; and pixel filters.
+ * Properties of every registered plug-in of any kind; and pixel filters.
  */
 #include "model/bsdfTesting.h"
 #include "model/shapeTesting.h"
@@ -85,7 +85,7 @@ TEST(OtherNames, ComeBeforeMisspellings) {
 }
 
 TEST(Filters, SamplesHaveTheFiltersMoments) {
-  // Weighted samples must have total weight 1, mean 0, and stay within the radius.
+  // Weighted samples must have total weight 1, mean 0, and be within the radius.
   for (const auto& entry : plugIns().filters.entries()) {
     Diagnostics diagnostics;
     const auto filter = plugIns().filters.make(parseParameterText(entry.name, ""), {}, diagnostics);

@@ -1,5 +1,5 @@
 /** @file
- * PLY files: every encoding reads the same, and broken files are explained, whatever is broken.
+ * PLY files: every encoding gives the same mesh, and broken files are explained.
  */
 #include <algorithm>
 #include <cstring>
@@ -23,7 +23,7 @@ namespace {
 
 enum class Encoding { TEXT, LITTLE, BIG };
 
-/** Writes values one after the other in any encoding. */
+/** Writes consecutive values in any encoding. */
 class PlyWriter {
  public:
   explicit PlyWriter(Encoding encoding) : encoding(encoding) {
@@ -62,7 +62,7 @@ class PlyMesh : public ::testing::Test {
   void TearDown() override { std::filesystem::remove_all(directory); }
 
   void write(const std::string& bytes) const {
-    std::filesystem::remove(directory + "/mesh.ply"); // some file systems take long to write one over
+    std::filesystem::remove(directory + "/mesh.ply"); // overwriting is slow on some file systems
     std::ofstream(directory + "/mesh.ply", std::ios::binary) << bytes;
   }
   void writeCompressed(const std::string& bytes) const {
@@ -103,7 +103,7 @@ class PlyMesh : public ::testing::Test {
   std::unique_ptr<Shape> loaded;
 };
 
-/** A triangle, a quad and a pentagon, with everything around them that files have. */
+/** A triangle, a quad and a pentagon, with all additional elements that occur in files. */
 std::string house(Encoding encoding, bool facesFirst = false) {
   PlyWriter w(encoding);
   w.line("comment made for a test").line("obj_info nothing");
@@ -273,7 +273,7 @@ TEST_F(PlyMesh, BrokenBinaryFilesAreExplained) {
     expectRefused(file(3, 1, -1), "face 0 names vertex -1; there are 0 to 2");
     expectRefused(file(3, 1, 3), "face 0 names vertex 3");
     expectRefused(file(3, 2, 2), "the file ends in face 1 of 2");
-    // Huge counts: the file is read to its end, and memory is not taken for what is not there.
+    // Huge counts: the file is read to its end, without allocating memory for missing data.
     expectRefused(file(4000000000, 1, 2), "the file ends in vertex 4 of 4000000000");
     expectRefused(file(3, 4000000000000, 2), "the file ends in face 1 of 4000000000000");
     expectRefused(file(5000000000, 1, 2), "too many vertices");
@@ -285,7 +285,7 @@ TEST_F(PlyMesh, FilesCutOffAnywhereAreRefused) {
   for (const Encoding encoding : {Encoding::TEXT, Encoding::LITTLE, Encoding::BIG}) {
     std::string bytes = house(encoding);
     while (bytes.back() == ' ' || bytes.back() == '\n') bytes.pop_back();
-    // A text may lose digits of its last number unnoticed.
+    // Text files may lose digits of the last number without an error.
     for (size_t length = 0; length + 12 < bytes.size(); length += 3) {
       write(bytes.substr(0, length));
       EXPECT_FALSE(load()) << length << " of " << bytes.size();

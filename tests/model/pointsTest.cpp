@@ -16,7 +16,7 @@ struct Cloud {
     Random random(seed);
     Cloud c;
     for (int i = 0; i < count; ++i) {
-      c.positions.emplace_back(Vec3f(random.direction() * random.uniform(0, 2))); // in floats
+      c.positions.emplace_back(Vec3f(random.direction() * random.uniform(0, 2))); // rounded to float
       c.normals.emplace_back(random.direction() * random.uniform(.5, 2));
       c.radii.push_back(double(static_cast<float>(random.uniform(.05, .4))));
     }
@@ -39,7 +39,7 @@ struct Cloud {
   }
 };
 
-/** Uses a file in memory. */
+/** Makes the shape from the content of a file. */
 std::unique_ptr<Shape> fromFile(const std::string& bytes, const std::string& more, std::string& said) {
   ParsedDirective use = parseParameterText("points", "\"string filename\" \"cloud.ply\" " + more);
   use.files =
@@ -149,7 +149,7 @@ TEST(Points, FilesGivePointsNormalsAndRadii) {
   EXPECT_NEAR(discs->area(), PI_DOUBLE * (.25 + .0625), 1e-6);
   EXPECT_EQ(discs->surfaceAt(0, HitParameters(Vec2f(0))).position, Vec3f(1, 2, 3));
   EXPECT_EQ(discs->surfaceAt(1, HitParameters(Vec2f(0))).geometricNormal, Vec3f(1, 0, 0));
-  // The parameters come before the file.
+  // Parameters have precedence over the file.
   const auto spheres = fromFile(file, "\"string type\" \"sphere\" \"float radius\" 2", said);
   ASSERT_TRUE(spheres) << said;
   EXPECT_NEAR(spheres->area(), 2 * 4 * PI_DOUBLE * 4, 1e-4);

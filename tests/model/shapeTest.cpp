@@ -1,6 +1,6 @@
 /** @file
- * Shapes: every registered one keeps its promises (bounds, normals, sampling), and rays that leave a surface
- * do not meet it again.
+ * Properties of every registered shape (bounds, normals, sampling), and rays that leave a surface without
+ * hitting it again.
  */
 #include <array>
 #include <functional>
@@ -15,7 +15,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** What is wrong with a use of a plug-in. */
+/** Error message for a use of a plug-in. */
 std::string complaint(const std::string& name, const std::string& parameters) {
   Diagnostics diagnostics;
   const auto shape = plugIns().shapes.make(parseParameterText(name, parameters), {}, diagnostics);
@@ -35,7 +35,7 @@ void expectSound(const SurfacePoint& p, const std::string& what) {
 
 } // namespace
 
-// ---- promises of every shape
+// ---- properties of every shape
 
 TEST(Shape, HitsLieInBoundsAndOnTheRay) {
   Random random(2);
@@ -70,7 +70,7 @@ TEST(Shape, TangentsFollowTheSurface) {
     for (int i = 0; i < 2000; ++i) {
       const auto [origin, direction] = randomLine(random, s);
       for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
-        // Central differences over two coordinates of the hit's point, where those are far from their limits.
+        // Central differences over two coordinates of the hit point, if these are far from their limits.
         constexpr float STEP = 0.001f;
         const int first = i % 3;
         Vec3f x(0), y(0);
@@ -86,7 +86,7 @@ TEST(Shape, TangentsFollowTheSurface) {
         const Vec2d tx = Vec2d(x1.uv) - Vec2d(x0.uv), ty = Vec2d(y1.uv) - Vec2d(y0.uv);
         const double determinant = tx.x * ty.y - tx.y * ty.x;
         const Vec3d normal = glm::cross(px, py);
-        // Clamped at an edge, across a seam, or beside a pole: nothing to compare with.
+        // Clamped at an edge, across a seam, or near a pole: differences are not comparable.
         const auto atEdge = [](const SurfacePoint& q) {
           return q.uv.x == 0 || q.uv.x == 1 || q.uv.y == 0 || q.uv.y == 1;
         };
@@ -98,7 +98,7 @@ TEST(Shape, TangentsFollowTheSurface) {
           return glm::length(Vec3d(a.position) + Vec3d(b.position) - 2.0 * Vec3d(p.position));
         };
         if (moved(x1, x0) > 0.05 * glm::length(px) || moved(y1, y0) > 0.05 * glm::length(py)) continue;
-        // Beside a pole the coordinates bend too much for differences.
+        // Near a pole the coordinates are too curved for differences.
         const auto bends = [&](const SurfacePoint& a, const SurfacePoint& b, const Vec2d& difference) {
           return glm::length(Vec2d(a.uv) + Vec2d(b.uv) - 2.0 * Vec2d(p.uv)) > 0.02 * glm::length(difference);
         };
@@ -124,8 +124,8 @@ TEST(Shape, TangentsFollowTheSurface) {
   }
 }
 
-/** Each point of a surface lies on one of its faces, by coordinates that lead back to it, and so do all
- * points of the faces: they are as large as the surface. */
+/** Each point of a surface is on one of its faces, at coordinates that map back to it, and all points of the
+ * faces are on the surface: the areas are equal. */
 TEST(Shape, FacesCoverTheSurfaceOnce) {
   Random random(14);
   int shapesWithFaces = 0;
@@ -148,7 +148,7 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
         EXPECT_GT(glm::dot(again.geometricNormal, p.geometricNormal), 0.99f) << s.name;
       }
     }
-    // A polygon of n sides lacks 6.6 / n² of its circle: .3 % of 48 sides.
+    // The area of a polygon of n sides is 6.6 / n² smaller than its circle: .3 % for 48 sides.
     constexpr int GRID = SANITIZED ? 16 : 48;
     const double tolerated = 0.005 * square(48.0 / GRID);
     double area = 0;
@@ -171,7 +171,7 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
 TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
   Random random(4);
   for (const Specimen& s : sampledSpecimens()) {
-    // Integrals over the surface of 1 and of the squares of coordinates: by lines, and by samples.
+    // Integrals over the surface of 1 and of the squared coordinates: by lines, and by samples.
     const Vec3d center = s.center();
     const double r = s.radius();
     const auto functions = [&](const Vec3f& position) {
@@ -185,13 +185,14 @@ TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
       const auto [origin, direction] = randomLine(random, s);
       for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
         const auto f = functions(s.shape->surfaceAt(m.primitive, m.parameters).position);
-        // Crofton: a ball of area S is met twice by each line, a surface of area A inside 2 A / S times.
+        // Crofton: each line through a ball of area S intersects a surface of area A inside of it 2 A / S
+        // times on average.
         for (size_t k = 0; k < 4; ++k) byLines[k] += f[k] * 2 * PI_DOUBLE * r * r / LINES;
       }
     }
     for (int i = 0; i < SAMPLES; ++i) {
       const ShapeSample sample = s.shape->sampleArea(random.unit(), random.unit2());
-      if (s.name.rfind("csg", 0) == 0 && sample.pdf == 0) continue; // a place that another operand hides
+      if (s.name.rfind("csg", 0) == 0 && sample.pdf == 0) continue; // a point hidden by a second operand
       ASSERT_GT(sample.pdf, 0) << s.name;
       expectSound(sample.point, s.name);
       EXPECT_TRUE(s.shape->bounds().contains(sample.point.position)) << s.name;
@@ -199,7 +200,7 @@ TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
       for (size_t k = 0; k < 4; ++k) bySamples[k] += f[k] / double(sample.pdf) / SAMPLES;
     }
     EXPECT_NEAR(bySamples[0], double(s.shape->area()), 0.015 * noisier * bySamples[0]) << s.name;
-    if (SANITIZED) continue; // so few lines meet thin shapes too seldom
+    if (SANITIZED) continue; // too few lines hit thin shapes
     for (size_t k = 0; k < 4; ++k)
       EXPECT_NEAR(byLines[k], bySamples[k], 0.05 * noisier * bySamples[0]) << s.name << " " << k;
   }
@@ -224,25 +225,27 @@ TEST(Shape, SamplesAreFoundByRays) {
         const double apart = glm::length(Vec3d(p.position) - Vec3d(sample->point.position));
         if (apart > 1e-3 * s.radius()) continue;
         found = true;
-        // Edge-on a density depends on the last digits of the place.
+        // Edge-on, the density depends on the last digits of the point.
         const double cosine = std::abs(glm::dot(Vec3d(p.geometricNormal), Vec3d(direction)));
         if (cosine < 0.1 || apart > 1e-5 * s.radius()) continue;
-        if (glm::dot(p.geometricNormal, sample->point.geometricNormal) < 0.999f) continue; // the neighbour
+        if (glm::dot(p.geometricNormal, sample->point.geometricNormal) < 0.999f)
+          continue; // a neighbouring face
         const float pdf = s.shape->pdfDirection(from, m.primitive, p);
-        // Where the surface bends, the cosine differs between the two places.
+        // On a curved surface the cosine differs between the two points.
         const double bent = double(glm::length(p.geometricNormal - sample->point.geometricNormal));
         EXPECT_NEAR(pdf / sample->pdf, 1, 2e-3 + 2 * bent / cosine) << s.name << " at cosine " << cosine;
         EXPECT_NEAR(s.shape->pdfDirection(from, m.primitive, sample->point) / sample->pdf, 1, 1e-4) << s.name;
       }
       missed += !found;
     }
-    // Of solids made of solids most places of the operands may be hidden.
+    // Most points on operands of csg solids may be hidden.
     EXPECT_GT(samples, s.name.rfind("csg", 0) == 0 ? 700 : 1900) << s.name;
-    EXPECT_LT(missed, 20) << s.name; // rays at the very edge
+    EXPECT_LT(missed, 20) << s.name; // rays exactly at the edge
   }
 }
 
-/** At a part of the radius from the middle, and not next to the surface: samples by area are poor there. */
+/** Point at a fraction of the radius from the centre, but not close to the surface, where sampling by area is
+ * poor. */
 static Vec3f placeAway(Random& random, const Specimen& s, double distance) {
   while (true) {
     const Vec3f from(s.center() + random.direction() * (s.radius() * distance));
@@ -260,7 +263,7 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
   for (const Specimen& s : sampledSpecimens()) {
     for (const double distance : {0.2, 1.2, 4.0}) {
       const Vec3f from = placeAway(random, s, distance);
-      // Integrals over the directions in which the shape is seen: by directions, and by samples.
+      // Integrals over the directions towards the shape: by directions, and by samples.
       const Vec3d towards = distance > 1 ? glm::normalize(s.center() - Vec3d(from)) : Vec3d(0, 0, 1);
       const double cosMax = distance > 1 ? std::sqrt(1 - 1 / (distance * distance)) : -1;
       const Frame frame{Vec3f(towards)};
@@ -291,7 +294,7 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
         for (size_t k = 0; k < 3; ++k) bySamples[k] += f[k] / double(sample->pdf) / SAMPLES;
         squares += square(1 / double(sample->pdf)) / SAMPLES;
       }
-      if (SANITIZED) continue; // so few samples do not give the sum of squares
+      if (SANITIZED) continue; // too few samples for the sum of squares
       const double solidAngle = 2 * PI_DOUBLE * (1 - cosMax);
       const double deviation =
           std::sqrt(squares / SAMPLES) + solidAngle * 0.5 / std::sqrt(double(DIRECTIONS));
@@ -317,14 +320,14 @@ TEST(Shape, OutsideIsWherePbrtHasIt) {
       EXPECT_GT(side * glm::dot(ball.geometricNormal, ball.position), 0.99f) << what;
       const SurfacePoint disc = make("disk", "", context)->sampleArea(0.5f, u).point;
       EXPECT_EQ(side * disc.geometricNormal.z, 1) << what;
-      // Meshes: the winding of the object's own space, turned over by both the mirror and the transform.
+      // Meshes: the winding in object space, reversed by both the mirror and the transform.
       const SurfacePoint triangle =
           make("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0]", context)->sampleArea(0.5f, u).point;
       EXPECT_EQ(side * triangle.geometricNormal.z, 1) << what;
       const SurfacePoint patch =
           make("bilinearmesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]", context)->sampleArea(0.5f, u).point;
       EXPECT_EQ(side * patch.geometricNormal.z, 1) << what;
-      // Normals at vertices decide, whatever the winding says.
+      // Vertex normals decide, regardless of the winding.
       const SurfacePoint smooth =
           make("trianglemesh", "\"point3 P\" [0 0 0 0 1 0 1 0 0] \"normal N\" [0 0 1 0 .1 1 .1 0 1]", context)
               ->sampleArea(0.5f, u)
@@ -350,14 +353,14 @@ TEST(Sphere, ThinEllipsoidsAreMetWhereTheyAre) {
           glm::normalize(center + rotation * (axes * random.direction()) * 0.9 - Vec3d(origin)));
       const auto hit = shape->intersect(0, origin, direction, 0, INFINITE);
       if (!hit) continue;
-      // The same in long double.
+      // Intersection of a sphere in long double.
       using Vec3l = glm::vec<3, long double>;
       const glm::mat<3, 3, long double> turn(glm::transpose(rotation));
       const Vec3l scale = Vec3l(1) / Vec3l(axes), o = scale * (turn * (Vec3l(origin) - Vec3l(center))),
                   d = scale * (turn * Vec3l(direction));
       const long double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
       const long double root = b * b - a * c;
-      if (root < 1e-4 * b * b) continue; // grazing: the meeting itself is ill-conditioned
+      if (root < 1e-4 * b * b) continue; // grazing: the intersection is ill-conditioned
       const long double t = c / (-b + std::sqrt(root));
       const Vec3l unit = o + d * t;
       const Vec3d normal = rotation * Vec3d(glm::normalize(scale * unit));
@@ -383,7 +386,8 @@ TEST(Sphere, SmallAndFar) {
       const double solidAngle = PI_DOUBLE * square(1e-4 / glm::length(Vec3d(from) - center));
       EXPECT_NEAR(double(sample->pdf) * solidAngle, 1, 1e-5);
       EXPECT_NEAR(glm::length(Vec3d(sample->point.position) - center), 1e-4, 2e-7);
-      // A direction in floats resolves 1e-7 of the distance; from nearby the ray must find the point.
+      // A direction in floats has a resolution of 1e-7 of the distance; from nearby the ray must hit the
+      // point.
       if (distance > 1e2) continue;
       const Vec3f direction(glm::normalize(Vec3d(sample->point.position) - Vec3d(from)));
       hits += shape->intersect(0, from, direction, 0, INFINITE).has_value();
@@ -391,7 +395,8 @@ TEST(Sphere, SmallAndFar) {
     if (distance == 1e2) {
       EXPECT_GT(hits, 900);
     }
-    // Straight at it along an axis, in coordinates that floats hold exactly: met to its last digit.
+    // A ray along an axis towards it, in coordinates that are exact in floats: the hit is exact to the last
+    // digit.
     const auto placed = make("sphere", "\"float radius\" 1e-4");
     const auto hit = placed->intersect(0, {static_cast<float>(distance), 0, 0}, {-1, 0, 0}, 0, INFINITE);
     ASSERT_TRUE(hit);
@@ -413,12 +418,12 @@ TEST(Sphere, GroundAsLargeAsAPlanet) {
     const Vec3d expected = Vec3d(origin) + Vec3d(direction) * double(hit->t);
     EXPECT_LT(glm::length(Vec3d(p.position) - expected), 1e-4);
     EXPECT_NEAR(double(p.position.z), -0.5e-6 * (square(expected.x) + square(expected.y)), 1e-8 + 1e-9 * d.x);
-    EXPECT_LT(p.error.z, 1e-6f); // things that stand on it stay attached
+    EXPECT_LT(p.error.z, 1e-6f); // objects on the sphere stay attached
   }
 }
 
 TEST(Sphere, AreaOfEllipsoids) {
-  // Spheroids have a closed form: c along the axis, a across.
+  // Spheroids have a closed form: c along the axis, a perpendicular to it.
   const auto spheroid = [](double a, double c) {
     if (c < a) {
       const double e = std::sqrt(1 - c * c / (a * a));
@@ -441,14 +446,14 @@ TEST(Sphere, AreaOfEllipsoids) {
 TEST(Sphere, CoordinatesAreThoseOfPbrt) {
   const auto shape =
       make("sphere", "\"float radius\" 2 \"float zmin\" -1 \"float zmax\" 1.5 \"float phimax\" 180");
-  // At 90 degrees around, on the equator: v runs from zmin to zmax in the polar angle.
+  // At the azimuth of 90 degrees, on the equator: v runs from zmin to zmax in the polar angle.
   const auto hit = shape->intersect(0, {0, 9, 0}, {0, -1, 0}, 0, INFINITE);
   ASSERT_TRUE(hit);
   const SurfacePoint p = shape->surfaceAt(0, hit->parameters);
   EXPECT_NEAR(p.uv.x, 0.5, 1e-6);
   EXPECT_NEAR(p.uv.y, (PI_DOUBLE / 2 - std::acos(-0.5)) / (std::acos(0.75) - std::acos(-0.5)), 1e-6);
   EXPECT_LT(p.dpdu.x, 0);
-  // The missing half is missing.
+  // The second half of the azimuth is absent.
   EXPECT_FALSE(shape->intersect(0, {0.1f, -9, 0}, {0, 1, 0}, 0, 8));
 }
 
@@ -475,7 +480,7 @@ TEST(BilinearMesh, RectanglesAreExact) {
 }
 
 TEST(BilinearMesh, PatchesMeetAtTheirEdges) {
-  // Rays at the edge shared by two twisted patches: none slips through.
+  // No ray passes between two twisted patches at their common edge.
   const auto shape = make("bilinearmesh", "\"integer indices\" [0 1 2 3 1 4 3 5] "
                                           "\"point3 P\" [0 0 .3  1 0 0  0 1 .5  1.1 1 .2  2 0 .2  2.5 1 0]");
   Random random(13);
@@ -492,7 +497,7 @@ TEST(BilinearMesh, PatchesMeetAtTheirEdges) {
 
 namespace {
 
-/** Counts rays that leave sampled points and meet the shape where they should not. */
+/** Number of rays that leave sampled points and hit the shape where they should not. */
 int selfHits(const std::string& name, const std::string& example, double ratio, double distance, int shapes,
              const std::function<bool(const Shape&, const SurfacePoint&, const Vec3f&)>& wrong) {
   Random random(14);
@@ -512,7 +517,7 @@ int selfHits(const std::string& name, const std::string& example, double ratio, 
 
 class LeavingRays : public ::testing::Test {
  protected:
-  // As in the renderer: displacements that are denormal numbers are none.
+  // Float mode of the renderer: displacements that are denormal numbers are zero.
   void SetUp() override { setThreadFloatMode(); }
 };
 
@@ -526,14 +531,14 @@ TEST_F(LeavingRays, SpheresAreNotMetAgain) {
         ++meetings;
         t = hit->t;
       }
-      // On the outside there is nothing to meet, on the inside the far side, where it is there.
+      // A ray to the outside hits nothing, a ray to the inside the far side if it exists.
       if (glm::dot(direction, p.geometricNormal) >= 0) return meetings > 0;
       return whole ? meetings != 1 : meetings > 1;
     };
     const char* example = whole ? "" : "\"float zmin\" -.5 \"float phimax\" 200";
     for (const double distance : {0.0, 1.0, 1e2, 1e3, 1e5})
       EXPECT_EQ(selfHits("sphere", example, 1, distance, 200, wrong), 0) << example << " at " << distance;
-    // Ellipsoids, as long as floats tell the places on their sharpest tip apart.
+    // Ellipsoids whose sharpest tip has points that floats resolve.
     for (const double distance : {0.0, 1.0})
       EXPECT_EQ(selfHits("sphere", example, 30, distance, 200, wrong), 0) << example << " at " << distance;
   }
@@ -558,8 +563,8 @@ TEST_F(LeavingRays, FlatShapesAreNotMetAgain) {
 }
 
 TEST_F(LeavingRays, TwistedPatchesAreMetAgainOnlyElsewhere) {
-  // Against the patch, height over the tangent plane grows with the square of the distance: a ray cannot be
-  // back before its own height is made up for.
+  // Opposite the patch, height over the tangent plane grows with the square of the distance: a ray cannot
+  // return before it loses its own height.
   const auto wrong = [](const Shape& shape, const SurfacePoint& p, const Vec3f& direction) {
     const Vec3f origin = p.rayOrigin(direction);
     const auto hit = shape.intersect(0, origin, direction, 0, INFINITE);
@@ -567,7 +572,7 @@ TEST_F(LeavingRays, TwistedPatchesAreMetAgainOnlyElsewhere) {
     const double size = glm::length(Vec3d(shape.bounds().diagonal()));
     const double cosine = std::abs(glm::dot(Vec3d(direction), Vec3d(p.geometricNormal)));
     const double height = std::abs(glm::dot(Vec3d(origin) - Vec3d(p.position), Vec3d(p.geometricNormal)));
-    // The curvature of this patch is nowhere more than 2 / size.
+    // The curvature of this patch is at most 2 / size.
     return double(hit->t) < 0.5 * std::max(cosine, std::sqrt(height / size)) * size;
   };
   for (const double distance : {0.0, 1.0, 1e2, 1e3})
@@ -666,7 +671,7 @@ TEST(TriangleMesh, TrianglesWithoutAreaAreNeverSampled) {
 }
 
 TEST(TriangleMesh, ManyTrianglesAreSampledEvenly) {
-  // A strip of small triangles: more than the digits of one random float tell apart evenly.
+  // A strip of more small triangles than a single random float selects uniformly.
   MeshData data;
   constexpr uint32_t COUNT = 3000000;
   data.positions.reserve(COUNT + 2);

@@ -1,6 +1,6 @@
 /** @file
- * What tests of shapes share: random numbers and transforms, shapes from parameters, objects by name, and
- * every meeting of a line.
+ * Shared functions of the tests of shapes: random numbers and transforms, shapes from parameters, objects by
+ * name, and all intersections of a line.
  */
 #pragma once
 
@@ -41,7 +41,7 @@ class Random {
   std::mt19937_64 engine;
 };
 
-/** Objects for shapes that are made of others. */
+/** Objects as operands of shapes. */
 class TestObjects : public ShapeLookup {
  public:
   /** name, plug-in, parameters */
@@ -96,7 +96,8 @@ struct Meeting {
   HitParameters parameters;
 };
 
-/** Every meeting of a ray with a shape, the nearest first; triangles in double, as Embree is not here. */
+/** All intersections of a ray with a shape, the nearest first; triangles in double precision, without
+ * Embree. */
 inline std::vector<Meeting> allMeetings(const Shape& shape, const Vec3f& origin, const Vec3f& direction) {
   std::vector<Meeting> found;
   const TriangleMesh* mesh = shape.triangleMesh();
@@ -122,7 +123,7 @@ inline std::vector<Meeting> allMeetings(const Shape& shape, const Vec3f& origin,
   return found;
 }
 
-/** A shape of an example in the registry under some transform. */
+/** Shape of an example in the registry under a transform. */
 struct Specimen {
   std::string name;
   std::unique_ptr<Shape> shape;
@@ -149,19 +150,20 @@ inline std::vector<Specimen> specimens(Transforms transforms = Transforms::ALL) 
       for (const auto& [what, context] : contexts)
         all.push_back({entry.name + " [" + example + "] " + what, make(entry.name, example, context),
                        context.reverseOrientation});
-  // Embree alone meets curves.
+  // Only Embree intersects curves.
   std::erase_if(all, [](const Specimen& s) { return dynamic_cast<const CurveShape*>(s.shape.get()); });
   return all;
 }
 
-/** Those that lamps can be made of. */
+/** Shapes that lamps can have. */
 inline std::vector<Specimen> sampledSpecimens() {
   std::vector<Specimen> all = specimens(Transforms::FEW);
   std::erase_if(all, [](const Specimen& s) { return !s.shape->canBeSampled(); });
   return all;
 }
 
-/** A random line through the ball around a specimen: lines meet a surface in proportion to its area. */
+/** Random line through the ball around a specimen: the number of intersections is proportional to the area of
+ * a surface. */
 inline std::pair<Vec3f, Vec3f> randomLine(Random& random, const Specimen& s) {
   const Vec3f direction(random.direction());
   const Frame frame(direction);
@@ -170,7 +172,7 @@ inline std::pair<Vec3f, Vec3f> randomLine(Random& random, const Specimen& s) {
   return {Vec3f(s.center() + across - Vec3d(direction) * (2 * s.radius())), direction};
 }
 
-/** Any scale, up to 1:`ratio` along random axes, moved by `distance` times the size. */
+/** Scales up to 1:`ratio` along random axes, and translates by `distance` times the size. */
 inline Mat4d randomTransform(Random& random, double ratio, double distance) {
   const double scale = random.powerOfTen(-6, 6);
   const double e = std::log10(ratio) / 2;
@@ -185,7 +187,7 @@ inline Mat4d randomTransform(Random& random, double ratio, double distance) {
   return affine(linear, moved);
 }
 
-/** Uniform, or grazing by any amount on either side. */
+/** Uniform direction, or grazing by any angle on either side. */
 inline Vec3f randomLeaving(Random& random, const Vec3f& normal) {
   Vec3d d = random.direction();
   if (random.uniform() < 0.5) {

@@ -1,5 +1,5 @@
 /** @file
- * Solids and curves in whole scenes: materials of operands, instances, errors with their places.
+ * Solids and curves in whole scenes: materials of operands, instances, errors with their positions.
  */
 #include "model/shapeTesting.h"
 #include "recurse/model/scene/scene.h"
@@ -35,7 +35,8 @@ constexpr const char* OBJECTS = "ObjectBegin \"block\"\nMaterial \"diffuse\" \"r
                                 "ObjectBegin \"ball\"\nMaterial \"dielectric\"\n"
                                 "Shape \"sphere\" \"float radius\" 1.2\nObjectEnd\n";
 
-/** Objects "c0", a sphere, to "c(levels)", each the union of two of the one before; then the last of them. */
+/** Objects "c0", a sphere, to "c(levels)", each the union of two copies of the previous one; then an instance
+ * of the last. */
 std::string towerOfSolids(int levels, const std::string& other = {}) {
   std::string text = "ObjectBegin \"c0\"\nShape \"sphere\"\nObjectEnd\n";
   for (int i = 1; i <= levels; ++i) {
@@ -65,14 +66,14 @@ TEST(SolidScene, SurfacesKeepTheMaterialOfTheirOperand) {
     const Loaded l = load(OBJECTS + use);
     ASSERT_TRUE(l.scene) << l.messages;
     const Vec3f origin = -Vec3f(l.scene->origin());
-    // Through the hole in the face from the front: the ball's surface at the far side of the block.
+    // Through the hole in the face from the front: the surface of the ball at the far side of the block.
     const Hit outside = hitAlong(*l.scene, origin + Vec3f(1.9f, 1.9f, 0), {0, 0, 1});
     EXPECT_NEAR(outside.t, 3, 1e-4);
     EXPECT_EQ(outside.material->lobes() & REFRACTION, 0);
     const Hit cut = hitAlong(*l.scene, origin + Vec3f(0, 0, 5), glm::normalize(Vec3f(1, 1, 1)));
     EXPECT_NEAR(cut.t, 2.4, 1e-4);
     EXPECT_NE(cut.material->lobes() & REFRACTION, 0);
-    // The outside of what is left is where the ball was.
+    // The remaining solid is outside of the ball.
     EXPECT_LT(glm::dot(cut.point.geometricNormal, Vec3f(1)), 0);
   }
   const Loaded one =
@@ -100,7 +101,7 @@ TEST(SolidScene, ErrorsNameThePlace) {
   expect(errorsOf("ObjectBegin \"a\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\nObjectEnd\n"
                   "Shape \"csg\" \"string operands\" [\"a\" \"a\"]"),
          "test.pbrt:5:7", "cannot emit by itself");
-  // What cannot be sampled is no lamp.
+  // Shapes that cannot be sampled cannot be lamps.
   expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"metaballs\" \"point3 P\" [0 0 0]"), "test.pbrt:4:7",
          "cannot be a lamp");
   expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"implicit\" \"string function\" \"x\""),
@@ -110,7 +111,7 @@ TEST(SolidScene, ErrorsNameThePlace) {
 }
 
 TEST(SolidScene, CurvesAreAsWideAsTheySay) {
-  // A straight curve along x, .2 wide at one end and .1 at the other; parallel rays across it.
+  // A straight curve along x, .2 wide at one end and .1 at the other, and parallel rays perpendicular to it.
   const auto width = [](const Scene& scene, float x, const Vec3f& towards, bool isRibbon = false) {
     const Vec3f across = glm::cross(Vec3f(1, 0, 0), towards);
     int met = 0;
@@ -122,7 +123,7 @@ TEST(SolidScene, CurvesAreAsWideAsTheySay) {
       if (!scene.intersect({origin, towards}, hit)) continue;
       ++met;
       const Vec3f p = origin + towards * hit.t;
-      // A ribbon that is turned away is met where it would be, not where it is drawn.
+      // The hit of an oblique ribbon is on the ribbon itself, not on its projection.
       EXPECT_LT(glm::length(hit.point.position - p), isRibbon ? .1f : 1e-3f);
       EXPECT_NEAR(hit.point.uv.x, x / 3, 1e-3);
       EXPECT_TRUE(scene.occluded({origin, towards}));
@@ -140,7 +141,7 @@ TEST(SolidScene, CurvesAreAsWideAsTheySay) {
       EXPECT_NEAR(width(*l.scene, 2.25f, d), .125, 2e-3) << type;
     }
   }
-  // A ribbon that lies flat is narrower from the side.
+  // A flat ribbon is narrower from the side.
   const Loaded ribbon =
       load("Shape \"curve\" \"string type\" \"ribbon\" \"normal N\" [0 1 0 0 1 0]" + controls);
   ASSERT_TRUE(ribbon.scene) << ribbon.messages;

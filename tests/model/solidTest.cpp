@@ -1,6 +1,6 @@
 /** @file
- * Solids: lines go in and out by turns, volumes are those of closed forms, rays that leave a surface do not
- * meet it again; and what constructive solid geometry makes of them.
+ * Solids: lines enter and leave alternately, volumes agree with closed forms, rays that leave a surface do
+ * not hit it again; and constructive solid geometry.
  */
 #include "model/shapeTesting.h"
 #include "recurse/core/threads/parallel.h"
@@ -25,7 +25,7 @@ std::vector<Solid::Crossing> crossingsOf(const Solid& solid, const Vec3d& origin
   return found;
 }
 
-/** By parallel lines through a grid of the bounds. */
+/** Volume by parallel lines through a grid of the bounds. */
 double volumeByLines(const Shape& shape) {
   const auto solid = shape.asSolid();
   const Bounds3f box = shape.bounds();
@@ -45,7 +45,7 @@ double volumeByLines(const Shape& shape) {
   return length * step * step;
 }
 
-/** Objects for the csg of one test. */
+/** Operands for the csg shapes of one test. */
 struct Operands : TestObjects {
   explicit Operands(std::vector<std::array<std::string, 3>> objects) { list = std::move(objects); }
   std::unique_ptr<Shape> csg(const std::string& operation, const std::string& names,
@@ -79,7 +79,7 @@ TEST(Solid, LinesGoInAndOutByTurns) {
       const auto [origin, direction] = randomLine(random, s);
       const auto crossings = crossingsOf(*solid, origin, direction);
       EXPECT_EQ(crossings.size() % 2, 0u) << s.name;
-      // The same as the rays of the renderer find.
+      // Intersections of the line agree with the rays of the renderer.
       const auto meetings = allMeetings(*s.shape, origin, direction);
       ASSERT_EQ(crossings.size(), meetings.size()) << s.name;
       for (size_t k = 0; k < crossings.size(); ++k) {
@@ -88,7 +88,7 @@ TEST(Solid, LinesGoInAndOutByTurns) {
         EXPECT_NEAR(c.t, meetings[k].t, 1e-6 * c.t) << s.name;
         const SurfacePoint p = s.shape->surfaceAt(c.primitive, c.parameters);
         const float cosine = glm::dot(p.geometricNormal, direction);
-        // Normals at vertices may turn a mesh's normal over.
+        // Vertex normals may reverse a mesh's normal.
         if (std::abs(cosine) > 1e-3f && p.shadingNormal == p.geometricNormal) {
           EXPECT_EQ(cosine < 0, c.entering != solid->normalsPointIn()) << s.name << " " << cosine;
         }
@@ -123,8 +123,7 @@ TEST(Solid, VolumesAreThoseOfClosedForms) {
 }
 
 TEST(Solid, LeftOnTheRightSide) {
-  // A ray that leaves outwards meets the surface an even number of times, one that goes inwards an odd
-  // number.
+  // A ray to the outside intersects the surface an even number of times, a ray to the inside an odd number.
   setThreadFloatMode();
   Random random(22);
   for (const auto& entry : plugIns().shapes.entries())
@@ -157,17 +156,17 @@ TEST(Csg, VolumesAreThoseOfClosedForms) {
        {"drill", "cylinder", "\"float radius\" .6 \"float zmin\" -2 \"float zmax\" 2 \"bool caps\" true"},
        {"block", "box", "\"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 2]"},
        {"mesh", "trianglemesh", CUBE_MESH}});
-  // A sphere with a hole along its axis: what is left has the volume of a sphere as high as the hole.
+  // A sphere with a hole along its axis has the volume of a sphere of the hole's height.
   EXPECT_NEAR(volumeByLines(*o.csg("difference", "\"left\" \"drill\"")), 4 / 3.0 * PI_DOUBLE * 0.512, 3e-3);
   EXPECT_NEAR(volumeByLines(*o.csg("intersection", "\"left\" \"block\"")), 2 / 3.0 * PI_DOUBLE, 4e-3);
   EXPECT_NEAR(volumeByLines(*o.csg("union", "\"left\" \"block\"")), 32 + 2 / 3.0 * PI_DOUBLE, 7e-2);
-  // A corner of the mesh lies in the sphere: an octant.
+  // The sphere contains one corner of the mesh: an octant.
   EXPECT_NEAR(volumeByLines(*o.csg("intersection", "\"mesh\" \"left\"")), PI_DOUBLE / 6, 2e-3);
 }
 
 namespace {
 
-/** Puts a transform of its own before each object. */
+/** Operands with a transform before each object. */
 struct PlacedOperands : TestObjects {
   struct Placed {
     std::string name, plugIn, parameters;
@@ -198,7 +197,7 @@ struct PlacedOperands : TestObjects {
 TEST(Csg, SteinmetzSolidAndLens) {
   PlacedOperands o;
   Mat4d toX(0);
-  toX[0][2] = toX[1][0] = toX[2][1] = toX[3][3] = 1; // z goes to y
+  toX[0][2] = toX[1][0] = toX[2][1] = toX[3][3] = 1; // maps x to z, y to x and z to y
   const char* rod = "\"float zmin\" -2 \"float zmax\" 2 \"bool caps\" true";
   o.placed = {{"a", "cylinder", rod},
               {"b", "cylinder", rod, toX},
@@ -207,7 +206,7 @@ TEST(Csg, SteinmetzSolidAndLens) {
   EXPECT_NEAR(volumeByLines(*o.csg("intersection", "\"a\" \"b\"")), 16 / 3.0, 1e-2);
   // Two unit spheres at distance d: π (2 - d)² (d² + 4 d) / (12 d)
   EXPECT_NEAR(volumeByLines(*o.csg("intersection", "\"left\" \"right\"")), PI_DOUBLE * 5 / 12, 3e-3);
-  // Under an affine transform the volume grows by its determinant.
+  // An affine transform multiplies the volume by its determinant.
   const Mat4d m = affine(diagonal(2, -0.5, 3), {4, 5, 6});
   EXPECT_NEAR(volumeByLines(*o.csg("intersection", "\"left\" \"right\"", m)), 3 * PI_DOUBLE * 5 / 12, 1e-2);
 }
@@ -296,7 +295,7 @@ TEST(Csg, MeshesAndBoxesMakeTheSameSolid) {
 }
 
 TEST(Csg, SolidsWithoutSizeHaveAnEnd) {
-  // All positions of the mesh are rounded to one.
+  // All positions of the mesh round to the same point.
   Operands o({{"point", "trianglemesh", CUBE_MESH}});
   const Mat4d m = affine(diagonal(1e-30, 1e-30, 1e-30), {1, 1, 1});
   for (const char* operation : {"union", "intersection", "difference"}) {
@@ -317,9 +316,9 @@ TEST(Csg, AreasAreThoseOfClosedForms) {
   };
   expectArea(*o.csg("intersection", "\"ball\" \"half space\""), 3 * PI_DOUBLE);
   expectArea(*o.csg("difference", "\"ball\" \"half space\""), 3 * PI_DOUBLE);
-  // The zone of the sphere as high as the hole, 1.6, and the hole's wall.
+  // The zone of the sphere with the height of the hole, 1.6, and the wall of the hole.
   expectArea(*o.csg("difference", "\"ball\" \"drill\""), 2 * PI_DOUBLE * 1.6 + 2 * PI_DOUBLE * .6 * 1.6);
-  // Of a solid in a solid, stretched: a spheroid's half with axes 1, 1, 2, and the disc.
+  // A csg of a stretched csg: half of a spheroid with axes 1, 1, 2, and the disc.
   const double e = std::sqrt(1 - 1 / 4.0);
   expectArea(*o.csg("union", "\"half ball\" \"half ball\"", affine(diagonal(1, 1, 2), {0, 0, 0})),
              PI_DOUBLE * (1 + 2 / e * std::asin(e)) + PI_DOUBLE);
@@ -343,7 +342,7 @@ TEST(Csg, OpenShapesAreTurnedDown) {
   expect(complaint("sphere", "\"float zmin\" 0"), "only a part of a sphere");
   expect(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0]"),
          "the edge between positions 0 and 1 (triangle 0) belongs to one triangle only");
-  // Two faces of a tetrahedron turned against each other.
+  // Two faces of a tetrahedron with opposite orientation.
   expect(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1] \"integer indices\" "
                                    "[0 1 2  0 1 3  1 2 3  2 0 3]"),
          "with different orientations");

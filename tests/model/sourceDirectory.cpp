@@ -1,5 +1,6 @@
 /** @file
- * Runs the tests of the model in the project's folder: examples of plug-ins name files from there.
+ * Runs the tests of the model in the project's folder, because examples of plug-ins name files relative to
+ * it.
  */
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /** @file
- * Subdivision surfaces against what is known of their limits.
+ * Subdivision surfaces against known limits.
  */
 #include <map>
 #include <random>
@@ -13,18 +13,18 @@ using namespace recurse;
 using namespace recurse::testing;
 
 TEST(LoopSubdivision, LimitOfAnOctahedronIsRound) {
-  // By symmetry a vertex stays on its axis, at the limit mask's distance; a plane stays a plane.
+  // Symmetry keeps a vertex on its axis, at the distance given by the limit mask; a plane stays a plane.
   const char* octahedron = "\"point3 P\" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] \"integer indices\" "
                            "[0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5]";
   for (const int levels : {1, 3}) {
     const auto shape = make("loopsubdiv", "\"integer levels\" " + std::to_string(levels) + " " + octahedron);
     const TriangleMesh& mesh = *shape->triangleMesh();
     EXPECT_EQ(mesh.indices().size(), 8u << (2 * levels));
-    // The limit of valence 4: the neighbours' mean is 0, so that 1 - n w is left, w = 1 / (n + 3 / (8 β)), β
-    // = 3/32.
+    // Limit mask of valence 4: the mean of the neighbours is 0, so that the factor is 1 - n w, w = 1 / (n + 3
+    // / (8 β)), β = 3/32.
     for (int k = 0; k < 6; ++k) EXPECT_NEAR(glm::length(mesh.positions()[k]), 0.5, 1e-6) << levels;
     EXPECT_NO_THROW(shape->asSolid());
-    EXPECT_TRUE(shape->asSolid()->normalsPointIn()); // as pbrt-v4 has it
+    EXPECT_TRUE(shape->asSolid()->normalsPointIn()); // as in pbrt-v4
   }
   const auto flat =
       make("loopsubdiv", "\"point3 P\" [0 0 1 1 0 1 0 1 1 1 1 1] \"integer indices\" [0 1 2 1 3 2]");
@@ -45,7 +45,7 @@ TEST(CatmullClark, LimitDoesNotDependOnTheLevels) {
   // The vertices of the coarse mesh are the first of the fine one.
   for (size_t i = 0; i < a.positions().size(); ++i)
     EXPECT_LT(glm::length(a.positions()[i] - b.positions()[i]), 1e-6f) << i;
-  // Corners by symmetry on the diagonals, with normals along them.
+  // Symmetry keeps corners on the diagonals, with normals along them.
   const Vec3f corner = b.positions()[7] - Vec3f(.5f);
   EXPECT_NEAR(corner.x, corner.y, 1e-6);
   EXPECT_NEAR(corner.x, corner.z, 1e-6);
@@ -71,12 +71,12 @@ TEST(CatmullClark, AGridIsABSpline) {
   const auto shape = make("catmullclark", text.str() + "]");
   int compared = 0;
   for (const Vec3f& p : shape->triangleMesh()->positions()) {
-    if (p.x < 1 || p.x >= 4 || p.y < 1 || p.y >= 4) continue; // the boundary has rules of its own
+    if (p.x < 1 || p.x >= 4 || p.y < 1 || p.y >= 4) continue; // the boundary has separate rules
     const auto weights = [](double t) {
       return std::array<double, 4>{(1 - t) * (1 - t) * (1 - t) / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
                                    (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
     };
-    // Vertices come out at rational places but for rounding.
+    // Vertices are at rational coordinates up to rounding.
     const double px = std::round(double(p.x) * 64) / 64, py = std::round(double(p.y) * 64) / 64;
     const int x = int(px), y = int(py);
     const auto wx = weights(px - x), wy = weights(py - y);
@@ -128,7 +128,7 @@ TEST(CatmullClark, SharpEdgesLeaveTheCubeAsItIs) {
   EXPECT_NEAR(shape->area(), 24, 1e-5);
   for (const Vec3f& p : mesh.positions())
     EXPECT_NEAR(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), 1, 1e-6);
-  // Flat faces up to the edges, which do not open the solid.
+  // Faces are flat up to the edges, and the solid stays closed.
   for (uint32_t i = 0; i < shape->primitiveCount(); ++i) {
     const SurfacePoint p = shape->surfaceAt(i, HitParameters(Vec2f(.01f)));
     EXPECT_NEAR(glm::dot(p.shadingNormal, p.geometricNormal), 1, 1e-6);
@@ -137,7 +137,7 @@ TEST(CatmullClark, SharpEdgesLeaveTheCubeAsItIs) {
 }
 
 TEST(CatmullClark, ACreaseIsASplineOfItsPositions) {
-  // The loop around the top is a uniform cubic B-spline of its own: (p + 4 p + p) / 6 at the positions.
+  // The loop around the top is a separate uniform cubic B-spline: (p + 4 p + p) / 6 at the positions.
   const auto shape =
       make("catmullclark", "\"integer levels\" 3 " + CUBE + "\"integer creases\" [4 5 5 7 7 6 6 4]");
   for (const int k : {4, 5, 6, 7}) {
@@ -146,7 +146,7 @@ TEST(CatmullClark, ACreaseIsASplineOfItsPositions) {
     EXPECT_NEAR(std::abs(p.y), 2 / 3.0, 1e-6);
     EXPECT_NEAR(p.z, 1, 1e-6);
   }
-  // The lid within the crease is flat, and its normals are its own.
+  // The lid inside of the crease is flat, with separate normals.
   for (uint32_t i = 0; i < shape->primitiveCount(); ++i) {
     const SurfacePoint p = shape->surfaceAt(i, HitParameters(Vec2f(1 / 3.0f)));
     if (p.geometricNormal.z > .999f) {
@@ -157,9 +157,9 @@ TEST(CatmullClark, ACreaseIsASplineOfItsPositions) {
 }
 
 TEST(CatmullClark, SharpnessOneIsOneSharpStep) {
-  // Across the crease at x = 3: after one sharp step the neighbours are the middles of the edges, and the
-  // limit is (left + 4 h + right) / 6 of those; without it, of the heights themselves; with a sharp crease,
-  // h.
+  // Across the crease at x = 3: after one sharp step the neighbours are the midpoints of the edges, and the
+  // limit is (left + 4 h + right) / 6 of these; without the crease, of the heights themselves; with an
+  // infinitely sharp crease, h.
   const double heights[8] = {0, 1, 2, 7, 3, 1, 0, 0};
   const std::string crease = "\"integer creases\" [3 11  11 19  19 27] ";
   for (const auto& [more, expected] :
@@ -188,7 +188,8 @@ TEST(CatmullClark, SharpCornersAndCornersOfTheBoundaryStay) {
 }
 
 TEST(BezierPatch, LiesOnTheSurface) {
-  // x = 3u, y = 3v, z a product of polynomials that Bernstein's stand for exactly: 3u(1-u) times 3v(1-v).
+  // x = 3u, y = 3v, z = 3u(1-u) · 3v(1-v), a product of polynomials that the Bernstein basis represents
+  // exactly.
   std::string points;
   for (const double b : {0.0, 1.0, 1.0, 0.0})
     for (int i = 0; i < 4; ++i) {
@@ -211,12 +212,12 @@ TEST(BezierPatch, LiesOnTheSurface) {
     EXPECT_NEAR(p.position.z, 9 * u * (1 - u) * v * (1 - v), 1e-6);
     const Vec3d slope(9 * (1 - 2 * u) * v * (1 - v) / 3, 9 * u * (1 - u) * (1 - 2 * v) / 3, 0);
     const Vec3d normal = glm::normalize(Vec3d(-slope.x, -slope.y, 1));
-    EXPECT_GT(glm::dot(Vec3d(p.shadingNormal), normal), 1 - 1e-6); // of floats
+    EXPECT_GT(glm::dot(Vec3d(p.shadingNormal), normal), 1 - 1e-6); // tolerance of floats
   }
 }
 
 TEST(BezierPatch, HasNormalsWhereASideIsAPoint) {
-  // An eighth of something round, with its pole in the first row.
+  // An octant of a round shape, with its pole in the first row.
   Diagnostics diagnostics;
   const auto shape = plugIns().shapes.make(
       parseParameterText("bezierpatch",
@@ -234,7 +235,7 @@ TEST(BezierPatch, HasNormalsWhereASideIsAPoint) {
 
 namespace {
 
-/** Corners, edges and faces of a polygon mesh. */
+/** Numbers of corners, edges and faces of a polygon mesh. */
 struct Counts {
   size_t vertices = 0, edges = 0, faces = 0, boundary = 0;
   std::map<size_t, size_t> facesOf; ///< number of faces by number of corners
@@ -287,7 +288,7 @@ PolygonMesh cubeOfPolygons() {
                   {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
 }
 
-/** A grid in the plane z = x / 2 of n by n squares, or of twice as many triangles. */
+/** A grid in the plane z = x / 2 of n by n squares, or twice the number of triangles. */
 PolygonMesh grid(uint32_t n) {
   std::vector<Vec3d> positions;
   std::vector<std::vector<uint32_t>> faces;
@@ -323,7 +324,7 @@ double volumeOf(const MeshData& mesh) {
   return sum;
 }
 
-/** Faces and their normals look to the same side; edges belong to two triangles, or to the boundary. */
+/** Expects consistent orientation of faces and normals, and edges with two triangles or at the boundary. */
 void expectSurface(const MeshData& mesh, int64_t euler, double side) {
   EXPECT_EQ(countsOf(asPolygons(mesh)).euler(), euler);
   ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
@@ -345,7 +346,7 @@ TEST(DooSabin, FirstStepsOfACube) {
   EXPECT_EQ(one.faces, 26u);
   EXPECT_EQ(one.edges, 48u);
   EXPECT_EQ(one.facesOf, (std::map<size_t, size_t>{{3, 8}, {4, 18}}));
-  // A corner of a square: weights 9/16, 3/16, 3/16, 1/16, so that a face of the cube shrinks by half.
+  // A corner of a square: weights 9/16, 3/16, 3/16, 1/16, so that a face of the cube shrinks to half.
   for (const Vec3d& p : first.positions) {
     std::array<double, 3> x{std::abs(p.x), std::abs(p.y), std::abs(p.z)};
     std::sort(x.begin(), x.end());
@@ -374,7 +375,7 @@ TEST(DooSabin, LimitOfACubeIsSymmetricAndHasItsVolume) {
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
       const Vec3d p = mesh.positions[i];
       farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-      // Mirrored and turned points are there, too.
+      // Mirrored and rotated points exist, too.
       for (const Vec3d& image : {Vec3d(-p.x, p.y, p.z), Vec3d(p.y, p.z, p.x), Vec3d(p.y, p.x, p.z)}) {
         if (i % 7 > 0) continue;
         double nearest = 1;
@@ -382,21 +383,21 @@ TEST(DooSabin, LimitOfACubeIsSymmetricAndHasItsVolume) {
         EXPECT_LT(nearest, 1e-12);
       }
     }
-    EXPECT_NEAR(farthest, 1, 1e-12); // the centres of the faces stay
+    EXPECT_NEAR(farthest, 1, 1e-12); // the centres of the faces do not move
   }
-  // The error of chords falls with the square of their length.
+  // The error of chords decreases with the square of their length.
   const double last = volumes[2] + (volumes[2] - volumes[1]) / 15;
   EXPECT_NEAR(volumes[1], last, .02 * last);
   EXPECT_NEAR((last - volumes[0]) / (last - volumes[1]), 16, 4);
-  EXPECT_GT(last, 4 / 3.0 * PI_D); // the ball inside the cube
+  EXPECT_GT(last, 4 / 3.0 * PI_D); // volume of the ball inside the cube
   EXPECT_LT(last, 8);
 }
 
 TEST(DooSabin, LimitDoesNotDependOnTheLevels) {
-  // Centres of faces stay where they are, with their normals.
+  // Centres of faces do not move, and keep their normals.
   const PolygonMesh cage = cubeOfPolygons();
   const MeshData coarse = dooSabinSurface(cage, 2), fine = dooSabinSurface(cage, 3);
-  for (size_t i = 0; i < coarse.positions.size(); ++i) { // a step puts the faces of faces first
+  for (size_t i = 0; i < coarse.positions.size(); ++i) { // faces of faces come first after a step
     EXPECT_LT(glm::length(coarse.positions[i] - fine.positions[i]), 1e-14);
     EXPECT_GT(glm::dot(glm::normalize(coarse.normals[i]), glm::normalize(fine.normals[i])), 1 - 1e-12);
   }
@@ -427,7 +428,7 @@ TEST(DooSabin, GridsStayFlatUpToTheirBoundary) {
 }
 
 TEST(DooSabin, StaysInTheConvexHull) {
-  // A surface in a ball, made of concave and twisted faces with a boundary.
+  // A surface inside of a ball, made of concave and twisted faces with a boundary.
   std::mt19937 random(5);
   PolygonMesh mesh = grid(4);
   for (Vec3d& p : mesh.positions)
@@ -437,7 +438,7 @@ TEST(DooSabin, StaysInTheConvexHull) {
 }
 
 TEST(DooSabin, VerticesOfTwoFacesLeaveNoHole) {
-  // Two triangles back to back, and two cubes that touch in a corner.
+  // Two triangles back to back, and two cubes with a common corner.
   PolygonMesh pillow = polygons({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {2, 1, 0}});
   for (int i = 0; i < 3; ++i) {
     pillow = dooSabinStep(pillow);
@@ -446,7 +447,8 @@ TEST(DooSabin, VerticesOfTwoFacesLeaveNoHole) {
   }
   const PolygonMesh cube = cubeOfPolygons();
   std::vector<Vec3d> positions = cube.positions;
-  for (size_t i = 1; i < 8; ++i) positions.push_back(-cube.positions[i] - 2.0); // about the first corner
+  for (size_t i = 1; i < 8; ++i)
+    positions.push_back(-cube.positions[i] - 2.0); // mirrored at the first corner
   std::vector<std::vector<uint32_t>> faces;
   for (size_t f = 0; f < 6; ++f) {
     faces.emplace_back(cube.vertices.begin() + long(4 * f), cube.vertices.begin() + long(4 * f + 4));
@@ -465,7 +467,7 @@ TEST(Sqrt3, FirstStepsOfATetrahedron) {
   sqrt3Step(mesh, false);
   EXPECT_EQ(mesh.positions.size(), 8u);
   EXPECT_EQ(mesh.triangles.size(), 12u);
-  // A vertex of valence 3 keeps 4/9 and takes 5/9 of the mean of its neighbours, which is -p/3.
+  // A vertex of valence 3 has the weight 4/9, and the mean of its neighbours, which is -p/3, the weight 5/9.
   EXPECT_LT(glm::length(mesh.positions[0] - Vec3d(4 / 9.0 - 5 / 27.0)), 1e-15);
   EXPECT_LT(glm::length(mesh.positions[4] - Vec3d(-1, 1, 1) / 3.0), 1e-15);
   for (int i = 1; i < 5; ++i) {
@@ -483,7 +485,7 @@ TEST(Sqrt3, LimitDoesNotDependOnTheLevels) {
     EXPECT_LT(glm::length(coarse.positions[i] - fine.positions[i]), 1e-14);
     EXPECT_GT(glm::dot(glm::normalize(coarse.normals[i]), glm::normalize(fine.normals[i])), 1 - 1e-12);
   }
-  // The volume: of 3 times as many triangles the error is a third.
+  // The error of the volume is a third for three times the number of triangles.
   const auto volume = [](int levels) { return volumeOf(sqrt3Surface(tetrahedron(), levels)); };
   const double last = volume(8) + (volume(8) - volume(6)) / 8;
   EXPECT_NEAR((last - volume(4)) / (last - volume(6)), 9, 1.5);
@@ -511,7 +513,7 @@ TEST(Sqrt3, TwoStepsDivideTheBoundaryInThree) {
 }
 
 TEST(Sqrt3, ABoundaryIsACubicSpline) {
-  // A fan of triangles around a point: its rim is a uniform B-spline of the rim's positions.
+  // A fan of triangles around a point: its rim is the uniform B-spline of the rim's positions.
   MeshData fan;
   constexpr uint32_t SIDES = 5;
   fan.positions = {{0, 0, 1}};

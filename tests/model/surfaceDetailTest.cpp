@@ -14,7 +14,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Calls test(name, point) at points all over each example of each shape, under a transform that shears. */
+/** Calls test(name, point) for points on each example of each shape, under a transform with shear. */
 template <class F> void atPointsOfShapes(const F& test) {
   Mat4d m(1);
   m[0] = Vec4d(.8, .3, .1, 0);
@@ -41,7 +41,7 @@ Vec3d tangential(const Vec3d& v, const Vec3d& n) { return v - n * glm::dot(v, n)
 } // namespace
 
 TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
-  // The height is a linear function of space: its gradient along the surface is known on every shape.
+  // The height is a linear function of space, so its gradient along every surface is known.
   const Vec3d slope(.1, -.2, .25);
   const auto height = makeTexture("bilerp",
                                   "\"string mapping\" \"planar\" \"vector3 v1\" [.1 -.2 .25] "
@@ -68,7 +68,7 @@ TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
     EXPECT_EQ(bent.position, p.position);
     EXPECT_EQ(bent.uv, p.uv);
     EXPECT_EQ(bent.geometricNormal, p.geometricNormal);
-    // The width of a pixel sets the step, and changes nothing where the slope is the same everywhere.
+    // The width of a pixel sets the step, which has no effect if the slope is constant.
     bent = p;
     bent.footprint = {-p.geometricNormal, .01f};
     detail->apply(bent);
@@ -79,7 +79,7 @@ TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
 }
 
 TEST(Bumps, OfASphereAreThoseOfTheSphereOfAnotherRadius) {
-  // r(n) = R + h with h = a · position: the normal of a star-shaped surface is that of r n - its gradient.
+  // r(n) = R + h with h = a · position: the normal of a star-shaped surface is r n minus its gradient.
   const Vec3d a(.3, -.2, .25);
   const double radius = 2;
   const auto height = makeTexture("bilerp",
@@ -107,8 +107,8 @@ TEST(Bumps, OfASphereAreThoseOfTheSphereOfAnotherRadius) {
 }
 
 TEST(Bumps, GoAcrossDpduOnMeshesWithNormals) {
-  // As in pbrt-v4, whose shading frame of a mesh with normals is that of n and dpdu: v runs along n x dpdu,
-  // as long as dpdu, however the texture is stretched.
+  // Shading frame of a mesh with normals as in pbrt-v4, made of n and dpdu: v is along n x dpdu, with the
+  // length of dpdu, regardless of the texture's stretch.
   const auto height = makeTexture("bilerp", "\"float v10\" .6 \"float v11\" 1 \"float v01\" .4", false);
   const auto detail = bumps({BLACK, height.get()}); // dh/du = .6, dh/dv = .4
   const std::string plane = "\"integer indices\" [0 1 2  0 2 3] \"point3 P\" [0 0 0  2 0 0  2 5 0  0 5 0] "
@@ -131,8 +131,8 @@ TEST(Bumps, GoAcrossDpduOnMeshesWithNormals) {
 }
 
 TEST(Bumps, FollowTheCoordinatesOfTheSurface) {
-  // h = u² v / 2 as a sum of bilinear terms is not at hand: a checker has no slope but at its edges, marble
-  // is not a float; so an image of a known function.
+  // The height is an image of a known function: a checkerboard has slopes at its edges only, and marble is
+  // not a float.
   const Folder folder;
   constexpr int N = 64;
   const auto h = [](double u, double v) { return .1 * std::sin(2 * M_PI * u) * std::cos(2 * M_PI * v); };
@@ -164,7 +164,7 @@ TEST(Bumps, StayOnTheSideOfTheSurface) {
   bumps({BLACK, steep.get()})->apply(p);
   EXPECT_GT(glm::dot(p.shadingNormal, p.geometricNormal), 0);
   EXPECT_NEAR(glm::length(p.shadingNormal), 1, 1e-6);
-  // Without coordinates there is nothing to go along.
+  // Bumps need coordinates.
   SurfacePoint q = flatPoint(.3, .3);
   q.dpdu = Vec3f(0);
   bumps({BLACK, steep.get()})->apply(q);
@@ -185,7 +185,7 @@ TEST(NormalMap, TurnsTheNormalInTheFrameOfTheSurface) {
     if (glm::dot(n, p.geometricNormal) < 0) n = -n;
     EXPECT_LT(glm::length(bent.shadingNormal - n), 1e-3f) << name;
   });
-  // Eight bits are linear: (128, 128, 255) is straight up, nearly.
+  // Eight bits are linear: (128, 128, 255) is nearly the normal.
   const auto flat =
       normalMap(folder.picture("flat.png", 4, 4, [](int, int) { return Rgb(.2159f, .2159f, 1); }));
   SurfacePoint p = flatPoint(.2, .3);

@@ -17,7 +17,7 @@ using std::numbers::pi;
 
 Rgb at(const Texture& t, double u, double v) { return t.value(flatPoint(u, v)); }
 
-/** The mean of f over a box around (x, y), by points. */
+/** Mean of f over a box around (x, y), by points. */
 template <class F> double boxMean(double x, double y, double w, double h, const F& f) {
   constexpr int N = 200;
   double sum = 0;
@@ -73,7 +73,7 @@ TEST(Texture, ConstantScaleMix) {
              {.75f, 0, .25f}, 1e-7);
   const auto red = makeTexture("constant", "\"rgb value\" [1 0 0]"),
              blue = makeTexture("constant", "\"rgb value\" [0 0 1]"),
-             half = makeTexture("constant", "\"float value\" 7", false); // held to the range of the amount
+             half = makeTexture("constant", "\"float value\" 7", false); // clamped to the range of the amount
   Textures named;
   named.named = {{"red", red.get()}, {"blue", blue.get()}, {"half", half.get()}};
   const auto mix =
@@ -83,7 +83,7 @@ TEST(Texture, ConstantScaleMix) {
 }
 
 TEST(Texture, DirectionMixFollowsTheCosineInTheSceneOfItsTransform) {
-  // The texture's y axis is the scene's x axis, stretched.
+  // The y axis of the texture is the x axis of the scene, scaled.
   Mat4d turned(1);
   turned[1] = Vec4d(5, 0, 0, 0);
   turned[0] = Vec4d(0, 1, 0, 0);
@@ -104,7 +104,7 @@ TEST(Texture, BilerpIsBilinear) {
   EXPECT_FLOAT_EQ(at(*t, 1, 0).r, 4);
   EXPECT_FLOAT_EQ(at(*t, 1, 1).r, 8);
   EXPECT_NEAR(at(*t, .25, .5).r, .75 * 1.5 + .25 * 6, 1e-6);
-  // The defaults rise with t.
+  // The defaults increase with t.
   EXPECT_NEAR(at(*makeTexture("bilerp", "", false), .3, .7).r, .7, 1e-6);
 }
 
@@ -123,12 +123,12 @@ TEST(Texture, CheckerboardIsTheMeanOverTheFootprint) {
   const auto sharp = [&](double s, double v) { return double(at(*t, s, v).r); };
   for (const double x : {.2, .9, 5.05, -1.1})
     for (const float width : {.01f, .3f, 1.f, 1.7f, 6.3f}) {
-      // Seen from above the footprint is a circle; the texture averages over the box around it.
+      // From above the footprint is a circle; the texture averages over the box around it.
       EXPECT_NEAR(t->value(seen(flatPoint(x, .4), width)).r,
                   boxMean(x, .4, double(width), double(width), sharp), .006)
           << x << " " << width;
     }
-  // At a slant it is longer, along the way that the ray goes.
+  // At an oblique angle it is longer, along the ray's direction.
   SurfacePoint p = flatPoint(.3, .4);
   p.footprint = {glm::normalize(Vec3f(1, 0, -.5f)), .2f};
   EXPECT_NEAR(t->value(p).r, boxMean(.3, .4, .2 * std::sqrt(1.25) / .5, .2, sharp), .006);
@@ -233,7 +233,7 @@ TEST(TextureMapping, ChangesOverTheFootprintAreDerivatives) {
 }
 
 TEST(Noise, IsThatOfTheReference) {
-  // K. Perlin's reference implementation at the place where its ports are compared.
+  // Value of K. Perlin's reference implementation at the point that ports use for comparison.
   EXPECT_NEAR(perlinNoise({3.14, 42, 7}), 0.13691995878400012, 1e-12);
 }
 
@@ -246,14 +246,14 @@ TEST(Noise, VanishesOnTheLatticeAndRepeats) {
     const Vec3d p(uniform(random), uniform(random), uniform(random));
     EXPECT_EQ(perlinNoise(glm::floor(p)), 0);
     EXPECT_NEAR(perlinNoise(p), perlinNoise(p + Vec3d(256, -512, 768)), 1e-9);
-    EXPECT_LT(std::abs(perlinNoise(p) - perlinNoise(p + 1e-7)), 1e-5); // no step anywhere
+    EXPECT_LT(std::abs(perlinNoise(p) - perlinNoise(p + 1e-7)), 1e-5); // continuous
     sum += perlinNoise(p);
     highest = std::max(highest, std::abs(perlinNoise(p)));
   }
   EXPECT_NEAR(sum / N, 0, 0.01);
   EXPECT_LE(highest, 1.1);
   EXPECT_GT(highest, 0.6);
-  // Slope at lattice points: the gradient of the nearest one alone.
+  // Slope at lattice points: the gradient of the nearest point alone.
   const Vec3d h(1e-6, 0, 0);
   const double slope = (perlinNoise(h) - perlinNoise(-h)) / 2e-6;
   EXPECT_NEAR(slope, std::round(slope), 1e-4);
@@ -281,7 +281,7 @@ TEST(Noise, OctavesBelowTheFootprintAreAveragedAway) {
              wrinkled = makeTexture("wrinkled", "\"integer octaves\" 5", false);
   const SurfacePoint p = pointAt({.3f, .4f, .6f});
   EXPECT_EQ(fbm->value(seen(p, 4)).r, 0);
-  // With a footprint of 1/8 the octaves of wavelength 1 and 1/2 are left.
+  // With a footprint of 1/8 only the octaves of wavelength 1 and 1/2 remain.
   EXPECT_NEAR(fbm->value(seen(p, .125f)).r,
               perlinNoise(p.position) + .5 * perlinNoise(1.99 * Vec3d(p.position)), 1e-6);
   EXPECT_NEAR(wrinkled->value(seen(p, 4)).r, .2 * (1 + 1 + .5 + .25 + .125 + .0625), 1e-6);
@@ -296,11 +296,11 @@ TEST(Noise, WindyAndMarble) {
     return sum;
   };
   EXPECT_NEAR(windy->value(pointAt(Vec3f(p))).r, std::abs(fractal(.1 * q, 3)) * fractal(q, 6), 1e-6);
-  // Without noise, marble has layers: the ends of the spline at the extremes of the sine.
+  // Without noise, marble has layers: the ends of the spline are at the extremes of the sine.
   const auto marble = makeTexture("marble", "\"float variation\" 0 \"float scale\" 2");
   expectNear(marble->value(pointAt({3, float(pi / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
   expectNear(marble->value(pointAt({3, -float(pi / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
-  // Half way, three of six segments: a Bézier curve begins at its first point.
+  // In the middle, at three of six segments, the Bézier curve begins at its first point.
   expectNear(marble->value(pointAt({3, 0, 1})), Rgb(.5f, .5f, .5f) * 1.5f, 1e-3);
 }
 
@@ -319,12 +319,12 @@ TEST(Texture, ValuesOfBallsAreBlendedByTheirFields) {
     const double a = field(q[0]), b = 3 * field(q[1]);
     expectNear(t->value(pointAt(p)), Rgb(float(a / (a + b)), float(b / (a + b)), .5f), 1e-6, name);
   }
-  // In reach of one of them, and of none; what takes away has no colour.
+  // Within reach of one of them, and of none; a negative ball has no colour.
   const auto t = makeTexture("metaballs", balls + colours);
   expectNear(t->value(pointAt({-2.5f, 0, 0})), {1, 0, .5f}, 1e-6);
   expectNear(t->value(pointAt({40, 0, 0})), {0, 1, .5f}, 1e-6);
   expectNear(t->value(pointAt({0, 9, 0})), {0, 1, .5f}, 1e-6);
-  // They move with their transform, as the shape does.
+  // The balls move with their transform, as the shape does.
   Mat4d moved(2);
   moved[3] = Vec4d(5, 6, 7, 1);
   expectNear(makeTexture("metaballs", balls + colours, true, moved)->value(pointAt(Vec3f(5, 6, 7) + 2.f * p)),

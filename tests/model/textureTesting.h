@@ -1,5 +1,5 @@
 /** @file
- * Textures made from scene-file text, and small picture files for them.
+ * Textures from scene-file text, and small picture files for them.
  */
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace recurse::testing {
 
-/** Finds textures that a test has made; the place of "name" is taken for float and spectrum alike. */
+/** Lookup of textures that a test has made; "name" gives the same texture for float and spectrum. */
 class Textures final : public TextureLookup {
  public:
   TexturedRgb rgb(const Parameters& p, const std::string& n) const override {
@@ -32,7 +32,7 @@ class Textures final : public TextureLookup {
   }
 };
 
-/** Null, and the diagnostics, when something is wrong. */
+/** Null, and diagnostics, in case of an error. */
 inline std::unique_ptr<Texture> tryTexture(const std::string& name, const std::string& parameters,
                                            const TextureContext& context, Diagnostics& diagnostics) {
   return plugIns().textures.make(parseParameterText(name, parameters), context, diagnostics);
@@ -47,7 +47,7 @@ inline std::unique_ptr<Texture> makeTexture(const std::string& name, const std::
   return made;
 }
 
-/** A point of the plane z = 0 with u = x, v = y. */
+/** Point of the plane z = 0 with u = x, v = y. */
 inline SurfacePoint flatPoint(double u, double v) {
   SurfacePoint p{};
   p.uv = Vec2f(Vec2d(u, v));
@@ -62,13 +62,13 @@ inline SurfacePoint pointAt(const Vec3f& position) {
   p.position = position;
   return p;
 }
-/** The same with a footprint seen from above. */
+/** Point with a footprint as seen from above. */
 inline SurfacePoint seen(SurfacePoint p, float width) {
   p.footprint = {{0, 0, -1}, width};
   return p;
 }
 
-/** A folder for a test's files, removed at the end. */
+/** A folder for the files of a test, removed at the end. */
 class Folder {
  public:
   Folder()

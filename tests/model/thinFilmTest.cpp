@@ -1,6 +1,6 @@
 /** @file
- * Thin films: the reflectance against Airy's sum at each wavelength, limits that have no film, energy, and
- * the same fraction of light in both directions.
+ * Thin films: reflectance against Airy's sum at each wavelength, limits without a film, energy, and the same
+ * fraction of light in both directions.
  */
 #include <cmath>
 #include <complex>
@@ -25,7 +25,7 @@ double airyReflectance(double cosine, double film, std::complex<double> base, do
   const std::complex<double> turn = std::polar(1.0, 4 * M_PI * thickness * inFilm / wavelength);
   double sum = 0;
   for (const bool parallel : {false, true}) {
-    // The admittances of the three media for this polarisation.
+    // Admittances of the three media for this polarisation.
     const double a = parallel ? 1 / cosine : cosine;
     const double b = parallel ? square(film) / inFilm : inFilm;
     const std::complex<double> c = parallel ? base * base / inBase : inBase;
@@ -36,7 +36,7 @@ double airyReflectance(double cosine, double film, std::complex<double> base, do
   return sum;
 }
 
-/** What a function of the wavelength [nm] does to daylight, by colour. */
+/** Colour of daylight after multiplication by a function of the wavelength [nm]. */
 template <class F> Rgbd daylightMean(const F& factor) {
   Rgbd sum(0), white(0);
   for (double w = SHORTEST_WAVELENGTH + 0.125; w < LONGEST_WAVELENGTH; w += 0.25) {
@@ -87,7 +87,7 @@ TEST(ThinFilm, ReflectsAsAirysSumOverAllWavelengths) {
         }
 }
 
-/** At normal incidence and one wavelength the closed form has one cosine: the sum above has it, too. */
+/** At normal incidence and a single wavelength the closed form has one cosine, and so has the sum above. */
 TEST(ThinFilm, AirysSumHasItsClosedForms) {
   const double outer = (1 - 1.38) / (1 + 1.38), inner = (1.38 - 1.52) / (1.38 + 1.52);
   for (const double thickness : {0.0, 50.0, 99.6, 200.0}) {
@@ -96,7 +96,7 @@ TEST(ThinFilm, AirysSumHasItsClosedForms) {
     EXPECT_NEAR(airyReflectance(1, 1.38, 1.52, thickness, 550),
                 top / (1 + square(outer * inner) + 2 * outer * inner * std::cos(phase)), 1e-12);
   }
-  // A quarter of a wavelength of the geometric mean of both indices reflects nothing.
+  // A quarter-wave film with the geometric mean of both indices reflects nothing.
   EXPECT_NEAR(airyReflectance(1, std::sqrt(1.52), 1.52, 550 / (4 * std::sqrt(1.52)), 550), 0, 1e-12);
   const Rgb coated =
       ThinFilm{float(550 / (4 * std::sqrt(1.52))), std::sqrt(1.52f)}.reflectance(1, Rgb(1.52f));
@@ -165,7 +165,7 @@ TEST(ThinFilm, OnAPaneOfAirIsABubble) {
 }
 
 TEST(ThinFilm, ColoursMetalsRoughOrSmooth) {
-  // Straw to blue: what a growing oxide does to steel.
+  // Straw to blue: colours of steel with a growing oxide film.
   const std::string steel =
       "\"rgb eta\" [ 2.9 2.9 2.7 ] \"rgb k\" [ 3.1 2.9 2.8 ] \"float thinfilm.eta\" 2.4 "
       "\"float thinfilm.thickness\" ";

@@ -1,5 +1,5 @@
 /** @file
- * What holds for every registered tone operator, and the published curves of each.
+ * Properties of every registered tone operator, and the published curve of each.
  */
 #include <gtest/gtest.h>
 
@@ -69,7 +69,7 @@ TEST(ToneMaps, GreyCardIsKept) {
   forEachToneMap([](const ToneMap& toneMap) {
     const Rgb grey = mapped(toneMap, uniform(Rgb(GREY_CARD))).rgb(5, 5);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(grey[c], GREY_CARD, 1e-4f);
-    // Beside much darker and brighter things as well.
+    // The grey card keeps its value beside much darker and brighter pixels as well.
     const Image in = ramp();
     const Image out = mapped(toneMap, in);
     for (int x = 0; x < in.width; ++x) {
@@ -103,7 +103,7 @@ TEST(ToneMaps, BrighterLightNeverBecomesDarker) {
       for (int x = 1; x < out.width; ++x) EXPECT_GE(out.rgb(x, 0).g, out.rgb(x - 1, 0).g * (1 - 1e-6f)) << x;
     }
     float before = 0;
-    for (float y = 1e-4f; y < 1e3f; y *= 1.3f) { // whole pictures, for local ones too
+    for (float y = 1e-4f; y < 1e3f; y *= 1.3f) { // whole pictures, because of local operators
       const float now = mapped(toneMap, uniform(Rgb(y))).rgb(12, 8).g;
       EXPECT_GE(now, before * (1 - 1e-5f)) << y;
       before = now;
@@ -114,7 +114,8 @@ TEST(ToneMaps, BrighterLightNeverBecomesDarker) {
 TEST(ToneMaps, OnlyThoseThatMeasureThePictureChangeTheRestBesideBrightLight) {
   size_t measuring = 0;
   forEachToneMap([&](const ToneMap& toneMap) {
-    if (toneMap.isLocal() && !toneMap.measuresPicture()) return; // neighbours, not the whole picture
+    if (toneMap.isLocal() && !toneMap.measuresPicture())
+      return; // depends on neighbours, not on the whole picture
     const auto beside = [&](float light) {
       return mapped(toneMap, pictureOf(64, 8, [&](float x, float) { return Rgb(x < 0.9f ? 1 : light); }))
           .rgb(0, 4)
@@ -167,7 +168,7 @@ TEST(ToneMaps, SaturatedLightKeepsItsLuminanceInsideOfTheGamut) {
 }
 
 TEST(ToneMaps, LocalOperatorsKeepDetailWhereContrastIsReduced) {
-  // Ripples of 5 % on two planes a factor of 1000 apart, which no curve can both keep.
+  // Ripples of 5 % on two planes with a ratio of 1000, which no single curve preserves together.
   const auto rippled = [](float x, float) {
     return Rgb((x < 0.5f ? 0.02f : 20.0f) * (1 + 0.05f * std::sin(6.2831853f * 25 * x)));
   };
@@ -189,20 +190,20 @@ TEST(ToneMaps, LocalOperatorsKeepDetailWhereContrastIsReduced) {
 }
 
 TEST(ToneMaps, CurvesAreThePublishedOnes) {
-  // Reinhard et al. 2002, equation 4: white becomes white; without white L / (1 + L).
+  // Reinhard et al. 2002, equation 4: white is mapped to white; without white L / (1 + L).
   const Image white = mapped(*makeToneMap("reinhard", "\"float white\" 4"), uniform(Rgb(4)));
   EXPECT_NEAR(white.rgb(0, 0).g, 1, 1e-5f);
   const Image half = mapped(*makeToneMap("reinhard", "\"float white\" 100000"), uniform(Rgb(1 - GREY_CARD)));
   EXPECT_NEAR(half.rgb(0, 0).g, 0.5f, 1e-4f);
-  // Hable 2010: the linear white point 11.2 becomes white. The grey card is at x = 0.52695.
+  // Hable 2010: the linear white point 11.2 is mapped to white. The grey card is at x = 0.52695.
   const auto filmic = [](float y) { return mapped(*makeToneMap("filmic"), uniform(Rgb(y))).rgb(0, 0).g; };
   float x = 0;
   for (; filmic(x) < 1; x += 0.01f) {
   }
   EXPECT_NEAR(x, 11.2f * GREY_CARD / 0.52695f, 0.02f);
-  // Drago et al. 2003: the brightest becomes white.
+  // Drago et al. 2003: the brightest value is mapped to white.
   EXPECT_NEAR(mapped(*makeToneMap("drago"), uniform(Rgb(30))).rgb(0, 0).g, 1, 1e-4f);
-  // Narkowicz 2016: the curve at 1 is 2.54 / 3.16; the scale that keeps the grey card is applied before it.
+  // Narkowicz 2016: the curve at 1 is 2.54 / 3.16, after the scale that preserves the grey card.
   const auto aces = [](float v) { return v * (2.51f * v + 0.03f) / (v * (2.43f * v + 0.59f) + 0.14f); };
   const float scale = greyKeepingScale(aces);
   EXPECT_NEAR(aces(scale * GREY_CARD), GREY_CARD, 1e-6f);

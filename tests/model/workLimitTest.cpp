@@ -1,5 +1,5 @@
 /** @file
- * Work that a scene asks for is foretold, and refused at the directive that asks for too much.
+ * Predicted work of a scene, which is refused at the directive with too much.
  */
 #include "model/importTesting.h"
 #include "model/shapeTesting.h"
@@ -10,7 +10,7 @@ using namespace recurse;
 
 namespace {
 
-/** While one lives, work has a limit. */
+/** Limits the work during its lifetime. */
 class LimitedWork {
  public:
   explicit LimitedWork(double seconds) { setWorkLimit(seconds); }
@@ -19,7 +19,7 @@ class LimitedWork {
   LimitedWork& operator=(const LimitedWork&) = delete;
 };
 
-/** What is said of a scene, whose shapes begin in line 3. */
+/** Messages about a scene whose shapes begin in line 3. */
 std::string messagesOf(const std::string& shapes, int width = 8) {
   Diagnostics diagnostics;
   const std::string text = "Film \"rgb\" \"integer xresolution\" " + std::to_string(width) +
@@ -101,7 +101,7 @@ TEST(WorkLimit, IsOfSurfacesThatARayMeetsAtOnePlace) {
     EXPECT_EQ(messagesOf(shapes), "") << shapes;
     const LimitedWork limit(30 * 64 * 1e-7);
     expectRefused(messagesOf(shapes), shapes.starts_with(other) ? 4 : 3);
-    EXPECT_EQ(messagesOf(shapes, 4), "") << shapes; // a picture of half as many pixels
+    EXPECT_EQ(messagesOf(shapes, 4), "") << shapes; // a picture with half of the pixels
   }
   const LimitedWork limit(30 * 64 * 1e-7);
   EXPECT_EQ(messagesOf(repeated(ball + other, 20)), "");
