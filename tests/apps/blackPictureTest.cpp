@@ -1,5 +1,5 @@
 /** @file
- * What is said of a picture that is black: at the end of its render, and by `--check`.
+ * Explanations of a black picture, at the end of its render and by `--check`.
  */
 #include "program.h"
 
@@ -16,7 +16,7 @@ class BlackPicture : public Program {
   static constexpr const char* FLOOR =
       "Shape \"bilinearmesh\" \"point3 P\" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]\n";
 
-  /** Both the render and --check say so. */
+  /** Expects the words from both the render and --check. */
   void says(const std::string& text, const std::string& words, const std::vector<std::string>& more = {}) {
     write("dark.pbrt", text);
     std::vector<std::string> arguments = {"render", "dark.pbrt", "-q", "--spp", "1", "--integrator", "path"};
@@ -61,7 +61,7 @@ TEST_F(BlackPicture, HasNoLight) {
 }
 
 TEST_F(BlackPicture, HasALampThatFacesAway) {
-  // The light leaves the scene, or falls on the other side of a wall behind the lamp.
+  // The light leaves the scene, or hits the back of a wall behind the lamp.
   says(seenFrom("3 3 4  0 0 0  0 1 0", lamp("Translate 0 4 0 Rotate -90 1 0 0") + FLOOR), "reverse it");
   isSilentOf(seenFrom("3 3 4  0 0 0  0 1 0", lamp("Translate 0 4 0 Rotate 90 1 0 0") + FLOOR));
   isSilentOf(seenFrom("3 3 4  0 0 0  0 1 0",
@@ -145,15 +145,15 @@ TEST_F(BlackPicture, HasLampsThatLightNothingUnderAFaintSky) {
   const std::string faint = sky(".0002"), lampUp = lamp("Translate 0 4 0 " + up),
                     lampDown = lamp("Translate 0 4 0 " + down);
   EXPECT_TRUE(warns(faint + lampUp + FLOOR));
-  EXPECT_TRUE(warns(faint + lampUp + FLOOR + black + wall)); // its light falls on something
-  EXPECT_FALSE(warns(faint + lampUp + FLOOR + wall));        // which shines back
+  EXPECT_TRUE(warns(faint + lampUp + FLOOR + black + wall)); // the light reaches an object
+  EXPECT_FALSE(warns(faint + lampUp + FLOOR + wall));        // which reflects it to the camera
   EXPECT_FALSE(warns(faint + lampDown + FLOOR));
-  EXPECT_FALSE(warns(sky(".2") + lampUp + FLOOR)); // not dark
+  EXPECT_FALSE(warns(sky(".2") + lampUp + FLOOR)); // the sky is not faint
   EXPECT_FALSE(warns(faint + FLOOR));
 }
 
 TEST_F(BlackPicture, IsWrittenBeforeItIsExplained) {
-  // A ray passes thousands of surfaces, and meets all of them each time: thousands of rays take minutes.
+  // Each ray intersects thousands of surfaces: thousands of rays take minutes.
   std::string world = "LightSource \"point\"\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb "
                       "sigma_a\" [ .001 .001 .001 ] \"rgb sigma_s\" [ 0 0 0 ]\n"
                       "Material \"interface\"\nMediumInterface \"m\" \"\"\n";

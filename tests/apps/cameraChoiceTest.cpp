@@ -10,8 +10,8 @@ using recurse::readImage;
 
 namespace {
 
-/** A room with a red light to the left and a green one to the right, and a camera that sees only one of them
- * for each. */
+/** A room with a red light on the left and a green one on the right, and two cameras that see one of them
+ * each. */
 std::string twoCameras(const std::string& more = "") {
   return "Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
          "LookAt 0 0 0  -1 0 0  0 0 1\nCamera \"perspective\" \"float fov\" 40 \"string name\" \"left\"\n"

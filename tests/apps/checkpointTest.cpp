@@ -1,6 +1,6 @@
 /** @file
- * `recurse render --checkpoint --resume --sample-range` and `recurse merge`: whatever interrupts a render,
- * and however it is dealt out, the picture is the same to the bit.
+ * `recurse render --checkpoint --resume --sample-range` and `recurse merge`: the picture has the same bits
+ * for any interruption and any partition of a render.
  */
 #include "program.h"
 
@@ -20,7 +20,7 @@ namespace {
 
 class Checkpoints : public Program {
  protected:
-  /** The picture of a render that goes through at once; `seconds`: how long that takes. */
+  /** Picture of an uninterrupted render; `seconds`: its duration. */
   std::vector<float> whole(const std::vector<std::string>& settings, double* seconds = nullptr) {
     const Outcome o = render(settings, {"-o", "whole.exr"});
     EXPECT_EQ(o.status, 0) << o.err;
@@ -41,7 +41,7 @@ class Checkpoints : public Program {
 };
 
 const std::vector<std::string> PATH = {"--integrator", "path", "--spp", "64"};
-/** Light paths splat to the pixels of others. */
+/** Light paths splat to all pixels. */
 const std::vector<std::string> BDPT = {"--integrator", "bdpt", "--spp", "24"};
 const std::vector<std::string> SPPM = {"--integrator", "sppm", "--spp", "24", "--photons", "2000"};
 
@@ -63,7 +63,7 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
     double seconds = 0;
     const std::vector<float> truth = whole(settings, &seconds);
     std::filesystem::remove(file("c.rck"));
-    // At first too short to get anywhere; longer and longer, so that it ends some time.
+    // The first runs are too short for any progress; the length increases until a run is completed.
     for (double longest = 0.1 * seconds;; longest *= 1.25) {
       const double delay = std::uniform_real_distribution<>(0, longest)(random);
       const Outcome o = render(
@@ -95,7 +95,7 @@ TEST_F(Checkpoints, InterruptedRendersGoOn) {
   const Outcome o = render(settings, kept);
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
-  // And once it is complete, nothing is left to be done.
+  // A complete render has nothing left to do.
   ASSERT_EQ(render(settings, kept).status, 0);
   EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
 }
@@ -135,7 +135,7 @@ TEST_F(Checkpoints, SplitJobsMakeTheSamePicture) {
     ASSERT_EQ(shell("job/local.sh"), 0) << contents(file("log"));
     EXPECT_TRUE(readImage(file("job/picture.exr")).pixels == truth);
 
-    // What is not there, or not complete, is said by name, and is run again.
+    // Missing and incomplete parts are named, and rendered again.
     std::filesystem::remove(file("job/picture.exr"));
     std::filesystem::remove(file("job/part-001.rck"));
     EXPECT_NE(shell("job/merge.sh"), 0);
@@ -166,7 +166,7 @@ TEST_F(Checkpoints, ASplitJobWorksInTheFolderWhereItIs) {
   ASSERT_EQ(shell("'copy of it/local.sh'"), 0) << contents(file("log"));
   EXPECT_TRUE(exists("copy of it/picture.exr"));
   EXPECT_FALSE(exists("job/part-000.rck") || exists("job/picture.exr"));
-  // Slurm runs a copy of the script that it was given.
+  // Slurm runs a copy of the submitted script.
   std::filesystem::remove(file("copy of it/part-001.rck"));
   std::filesystem::create_directories(file("spool"));
   std::filesystem::copy(file("copy of it/slurm.sh"), file("spool/slurm_script"));
@@ -203,7 +203,7 @@ TEST_F(Checkpoints, OtherSeedsAddUp) {
              sum = readImage(file("sum.exr")).pixels;
   double difference = 0;
   for (size_t i = 0; i < sum.size(); ++i) {
-    EXPECT_NEAR(sum[i], (a[i] + b[i]) / 2, 1e-5f * (a[i] + b[i])); // a box filter: all weights are one
+    EXPECT_NEAR(sum[i], (a[i] + b[i]) / 2, 1e-5f * (a[i] + b[i])); // box filter: all weights are one
     difference += std::abs(double(a[i]) - double(b[i]));
   }
   EXPECT_GT(difference, 0);

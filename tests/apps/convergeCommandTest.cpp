@@ -1,5 +1,5 @@
 /** @file
- * `recurse converge`: studies made, gone on with, refused and interrupted.
+ * `recurse converge`: new, continued, refused and interrupted studies.
  */
 #include "program.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 class ConvergeProgram : public Program {
  protected:
-  /** A reference that is at hand for the scene of the fixture. */
+  /** Makes a reference for the scene of the fixture. */
   void makeReference(const std::string& name, const std::string& seed) const {
     ASSERT_EQ(run({"render", "scene.pbrt", "-q", "-o", name, "--integrator", "path", "--spp", "256", "--seed",
                    seed})
@@ -45,7 +45,7 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
     EXPECT_TRUE(has(first.err, part)) << part << "\n" << first.err;
   for (const char* part : {"bias²", "time to", "no trim", "error ~"})
     EXPECT_TRUE(has(first.out, part)) << first.out;
-  // Renders so short may take the same time, which has no slope; convergeTest.cpp has given times.
+  // Such short renders may take the same time, which gives no slope; convergeTest.cpp uses given times.
   EXPECT_TRUE(has(first.out, "t^") || has(first.out, "no fit")) << first.out;
   const nlohmann::json j = study();
   ASSERT_EQ(j["cells"].size(), 12u);
@@ -53,7 +53,7 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
   EXPECT_EQ(lines(contents(file("study/points.csv"))), 5u);
   EXPECT_TRUE(has(contents(file("study/index.html")), "relmse_noise_free"));
   EXPECT_TRUE(exists("study/plot.gp"));
-  double errors[2] = {0, 0}; // of path: four times the samples, a quarter of the error
+  double errors[2] = {0, 0}; // for path: with four times the samples a quarter of the error
   for (const auto& cell : j["cells"]) {
     EXPECT_GT(cell["seconds"], 0);
     EXPECT_EQ(cell["samples_per_pixel"], cell["budget"] == "4" ? 4 : 16);
@@ -64,7 +64,8 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
   const Image reference = readImage(file("study/reference.exr"));
   EXPECT_GE(reference.channel("a.R"), 0);
 
-  // The same once more renders nothing; another seed only what is missing. The reference stays as it is.
+  // A second run renders nothing; with a different seed it renders the missing pictures. The reference does
+  // not change.
   const Outcome again = run(arguments);
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_FALSE(has(again.err, "picture ")) << again.err;

@@ -18,7 +18,7 @@ namespace {
 
 class DevelopProgram : public Program {
  protected:
-  /** A ramp with a lamp in it, much too dark to be seen as it is. */
+  /** A ramp with a lamp in it, too dark to be visible without exposure. */
   void makePicture() const {
     Image image(64, 32, {"R", "G", "B"});
     for (int y = 0; y < 32; ++y)
@@ -26,7 +26,7 @@ class DevelopProgram : public Program {
         for (int c = 0; c < 3; ++c) image.at(x, y)[c] = x > 60 ? 100.0f : 1e-4f * std::exp2(float(x) / 10);
     recurse::writeImage(file("dark.exr"), image);
   }
-  double meanOf(const std::string& name) const { // of the values in the file
+  double meanOf(const std::string& name) const { // Mean of the values in the file.
     const Image image = readImage(file(name));
     double sum = 0;
     for (float v : image.pixels) sum += double(recurse::srgbFromLinear(v)) / double(image.pixels.size());
@@ -51,7 +51,7 @@ TEST_F(DevelopProgram, ShowsADarkPictureByItself) {
       run({"develop", "dark.exr", "-q", "-o", "plain.png", "--exposure", "0", "--tonemap", "none"}).status,
       0);
   EXPECT_LT(meanOf("plain.png"), 0.1);
-  // The settings that were written down give the same picture.
+  // The stored settings give the same picture.
   const std::string settings = readImage(file("a.png")).metadata.at("recurse:developed");
   EXPECT_TRUE(has(settings, "--tonemap filmic --display srgb")) << settings;
 }
@@ -123,7 +123,7 @@ TEST_F(DevelopProgram, RefusesWhatMakesNoSense) {
 
 TEST_F(DevelopProgram, OcioDisplayComesFromTheConfiguration) {
   makePicture();
-  // A configuration whose only display shows the square root.
+  // A configuration whose only display applies the square root.
   write("config.ocio", "ocio_profile_version: 1\n"
                        "roles:\n  default: raw\n  scene_linear: lin\n"
                        "displays:\n  screen:\n    - !<View> {name: root, colorspace: shown}\n"
@@ -133,7 +133,7 @@ TEST_F(DevelopProgram, OcioDisplayComesFromTheConfiguration) {
                        "  - !<ColorSpace>\n    name: lin\n"
                        "  - !<ColorSpace>\n    name: shown\n"
                        "    to_reference: !<ExponentTransform> {value: [2, 2, 2, 1]}\n");
-  // Variables of the environment are those of the program's start.
+  // The program reads the variables of its environment at the start.
   const auto developed = [&](const std::string& variable, const std::string& display) {
     const std::string command = variable + " '" RECURSE_PROGRAM "' develop '" + file("dark.exr") +
                                 "' -q -o '" + file("o.png") + "' --exposure 0 --tonemap none --display " +
@@ -164,7 +164,7 @@ TEST_F(DevelopProgram, RenderSaysHowItExposed) {
   plain.insert(plain.end(), {"--exposure", "0", "--tonemap", "none"});
   ASSERT_EQ(run(plain).status, 0);
   const Image png = readImage(file("a.png")), exr = readImage(file("a.exr"));
-  for (int y = 0; y < 16; ++y) // what the display cannot show is cut, the rest is as computed
+  for (int y = 0; y < 16; ++y) // clipped to the range of the display, otherwise as computed
     for (int x = 0; x < 24; ++x) EXPECT_NEAR(png.rgb(x, y).g, std::min(exr.rgb(x, y).g, 1.0f), 0.01f);
 }
 
@@ -180,7 +180,7 @@ TEST_F(DevelopProgram, PreviewIsKeptUpToDateAndChangesNothing) {
       const auto time = std::filesystem::last_write_time(file("p.png"), none);
       if (none || time == last) return false;
       last = time;
-      EXPECT_EQ(readImage(file("p.png")).width, 24); // always a complete picture
+      EXPECT_EQ(readImage(file("p.png")).width, 24); // every version is a complete picture
       return ++seen == 3;
     });
     ::kill(child, SIGINT);
@@ -189,7 +189,7 @@ TEST_F(DevelopProgram, PreviewIsKeptUpToDateAndChangesNothing) {
   EXPECT_EQ(seen, 3);
   EXPECT_TRUE(has(o.err, "p.png")) << o.err;
   EXPECT_EQ(leftBehind(), 0u);
-  // Looking does not change the picture, at whatever moments it happens.
+  // Previews do not change the picture, at whatever time they are made.
   const auto picture = [&](const std::string& name, std::vector<std::string> more) {
     std::vector<std::string> all = {"render", "scene.pbrt", "-q", "--integrator", "path", "--spp",
                                     "200",    "-o",         name};

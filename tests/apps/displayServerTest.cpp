@@ -1,5 +1,5 @@
 /** @file
- * `recurse render --display-server`: viewers that do not do their part.
+ * `recurse render --display-server`: faulty viewers.
  */
 #include "program.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 class DisplayServer : public Program {};
 
-/** A viewer that accepts connections, and never reads what they bring. */
+/** Viewer that accepts connections, and never reads from them. */
 class DeafViewer {
  public:
   DeafViewer() : listener(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -55,7 +55,7 @@ TEST_F(DisplayServer, ARenderGoesOnWithoutAViewerThatDoesNotRead) {
 
 TEST_F(DisplayServer, NothingIsSentAfterTheDeadline) {
   const DeafViewer viewer;
-  // A hundred pictures would wait for the viewer's patience each, three seconds.
+  // Each of a hundred pictures would wait for the timeout of three seconds.
   constexpr int PICTURES = 100;
   TevClient client(viewer.address(), "picture");
   client.endBy(TevClient::Clock::now());

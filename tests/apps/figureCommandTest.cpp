@@ -13,7 +13,7 @@ namespace {
 
 using FigureProgram = Program;
 
-/** Options that a kind cannot do without, or that keep it short. */
+/** Options that a kind requires, or that shorten its render. */
 std::vector<std::string> optionsOf(const std::string& kind) {
   if (kind == "guide") return {"--pixel", "12,12", "--pixel", "3,14", "--stages", "2"};
   if (kind == "estimate") return {"--photons", "20k"};

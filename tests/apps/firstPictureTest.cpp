@@ -1,5 +1,5 @@
 /** @file
- * The picture of `recurse render` that is there before an integrator has learned or shot anything.
+ * First picture of `recurse render`, before an integrator has learned or shot photons.
  */
 #include "program.h"
 
@@ -12,14 +12,15 @@ namespace {
 
 class FirstPicture : public Program {
  protected:
-  /** The scene by one sample of each pixel of the path tracer; its one lamp leaves nothing to be learned. */
+  /** Picture of the scene with one sample of each pixel by path tracing; a single lamp leaves nothing to
+   * learn. */
   std::vector<float> onePathSample() const {
     const Outcome o =
         run({"render", "scene.pbrt", "-q", "--integrator", "path", "--spp", "1", "-o", "path.exr"});
     EXPECT_EQ(o.status, 0) << o.err;
     return readImage(file("path.exr")).pixels;
   }
-  /** Photons that take longer than a person waits, on any machine. */
+  /** Enough photons to exceed every timeout on any machine. */
   const std::vector<std::string> slow = {"render",    "scene.pbrt", "--integrator", "photonmap",
                                          "--photons", "2G",         "-o",           "out.exr"};
 };
@@ -44,7 +45,7 @@ TEST_F(FirstPicture, IsShownBeforePhotonsAreShot) {
 }
 
 TEST_F(FirstPicture, TakesThePlaceOfOneThatIsNotReadyInTime) {
-  // The limit holds for loading as well, which may take longer: then there is nothing.
+  // The limit includes loading, which may take longer: then there is no picture.
   Outcome o;
   for (int milliseconds = 10; milliseconds < 60000; milliseconds *= 4) {
     o = run(with(slow, {"--time-limit", std::to_string(milliseconds) + "ms", "--stats", "s.json"}));

@@ -27,8 +27,8 @@ class Frames : public Program {
                        "Animate \"glow\" \"float times\" [ 0 4 ] \"float values\" [ 0 1 ]\n" +
                            animated("$x", "$glow"));
   }
-  /** Expects that each frame of a scene with `$n` from 0 to 2 is the scene in which shapes(n) has this number
-   * written out, and that no two frames are equal. */
+  /** Expects that each frame of a scene with `$n` from 0 to 2 is equal to the scene of shapes(n) with the
+   * number as text, and that no two frames are equal. */
   void expectFrames(const std::function<std::string(const std::string& n)>& shapes) const {
     write("played.pbrt",
           "Animate \"n\" \"float times\" [ 0 2 ] \"float values\" [ 0 2 ]\n" + scene("", shapes("$n")));
@@ -69,7 +69,7 @@ TEST_F(Frames, AreTheScenesWithTheirNumbersWrittenOut) {
     }
     EXPECT_FALSE(readImage(file("f-0000.exr")).pixels == readImage(file("f-0001.exr")).pixels);
   }
-  // Begun anywhere, and the name that the scene gives.
+  // Starts at any frame, with the file name of the scene.
   const Outcome o = run({"render", "film.pbrt", "--frames", "2", "--integrator", "path"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_TRUE(readImage(file("film-0002.exr")).pixels == readImage(file("f-0002.exr")).pixels);
@@ -98,7 +98,7 @@ TEST_F(Frames, HaveAMeshFileEach) {
 }
 
 TEST_F(Frames, PlayTheAnimationOfAModel) {
-  recurse::testing::GltfFile model; // a triangle that falls back
+  recurse::testing::GltfFile model; // a falling triangle
   const int positions = model.floats("VEC3", {-1, 0, 0, 1, 0, 0, 0, 1, 0}),
             times = model.floats("SCALAR", {0, 2}),
             turns = model.floats("VEC4", {0, 0, 0, 1, -0.70710678f, 0, 0, 0.70710678f});
@@ -111,7 +111,7 @@ TEST_F(Frames, PlayTheAnimationOfAModel) {
   expectFrames([](const std::string& n) {
     return "Shape \"mesh\" \"string filename\" \"m.gltf\" \"float time\" " + n + "\n";
   });
-  // The model turned by hand.
+  // Transforms of the animation without an animated model.
   const char* WITHOUT = "\nShape \"mesh\" \"string filename\" \"m.gltf\"\n";
   write("alone.pbrt", scene("", std::string("Rotate -45 1 0 0") + WITHOUT));
   const Outcome alone = run({"render", "alone.pbrt", "-o", "alone.exr", "--integrator", "path"});
@@ -146,7 +146,7 @@ TEST_F(Frames, AreCheckedWithoutRendering) {
   EXPECT_TRUE(has(good.err, "frame 3: ")) << good.err;
   const Outcome first = run({"render", "film.pbrt", "--check"});
   EXPECT_TRUE(has(first.out, "animation   frame 0;")) << first.out;
-  // What only a later frame has wrong is found.
+  // An error that only a later frame has is reported.
   write("film.pbrt", "Animate \"x\" \"float times\" [ 0 2 ] \"float values\" [ 1 -1 ]\n" +
                          scene("", "Shape \"sphere\" \"float radius\" $x\n"));
   EXPECT_EQ(run({"render", "film.pbrt", "--frames", "0", "--check"}).status, 0);

@@ -1,6 +1,6 @@
 /** @file
- * The scenes of doc-files/guide: each is rendered small, and what its page says of the picture holds. The
- * commands of the pages have options that exist.
+ * Scenes of doc-files/guide: each is rendered at a small size, and the statements of its page about the
+ * picture hold. Commands in the pages use existing options.
  */
 #include "program.h"
 
@@ -22,7 +22,7 @@ std::string scenePath(const std::string& name) { return ROOT + "/doc-files/examp
 
 class Guide : public Program {
  protected:
-  /** Renders an example as the page does, smaller. */
+  /** Renders an example as its page does, at a smaller size. */
   Image render(const std::string& name, const std::string& resolution, const std::string& spp,
                const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {
@@ -55,7 +55,7 @@ class Guide : public Program {
 TEST_F(Guide, FirstSceneHasACausticInTheShadowOfItsBall) {
   const Image direct = render("first-scene", "40x40", "4", {"--paths", "LDE"}),
               caustic = render("first-scene", "40x40", "4", {"--paths", "LS+DE", "--photons", "20k"});
-  // Converged, the caustic is .37 here and .04 in the row above. The floor without the ball is .07.
+  // The converged caustic is .37 here and .04 in the row above. The floor without the ball is .07.
   EXPECT_EQ(direct.rgb(20, 29).g, 0) << "the shadow";
   EXPECT_GT(caustic.rgb(20, 29).g, 2 * direct.rgb(2, 35).g) << "brighter than the floor without the ball";
   EXPECT_LT(caustic.rgb(2, 35).g, 0.05 * direct.rgb(2, 35).g) << "only light that the ball reflects";
@@ -70,7 +70,7 @@ TEST_F(Guide, CausticsAreTheSameByPhotonsAndByBidirectionalPaths) {
 }
 
 TEST_F(Guide, FogDimsTheLampByBeersLawAndShowsTheBeam) {
-  // The lamp is 20 away, in front of it the fog has 2 mean free paths. The crop is inside of the lamp.
+  // The lamp is at a distance of 20, behind 2 mean free paths of fog. The crop is inside of the lamp.
   const Image lamp =
       render("fog", "600x400", "256",
              {"--integrator", "path", "--paths", "LE", "--cropwindow", "0.49,0.51,0.485,0.515"});
@@ -108,7 +108,7 @@ TEST_F(Guide, FramesMoveTheBall) {
   const Outcome o = run({"render", scenePath("frames"), "-q", "--frames", "0:24", "--resolution", "32x16",
                          "--spp", "4", "--integrator", "path", "--paths", "LE", "-o", "f.exr"});
   ASSERT_EQ(o.status, 0) << o.err;
-  // The ball is seen at x / (distance tan(15 degrees)) half heights from the middle.
+  // The ball is at x / (distance tan(15 degrees)) half heights from the middle.
   const double right = 8 * 2 / (std::hypot(8.0, 0.7) * std::tan(3.14159265 / 12));
   EXPECT_NEAR(centreOfMass(readImage(file("f-0000.exr"))), 16 - right, 0.3);
   EXPECT_NEAR(centreOfMass(readImage(file("f-0012.exr"))), 16, 0.1);
@@ -140,7 +140,7 @@ TEST_F(Guide, ReedsSwayAndAreBackAfterTwoSeconds) {
 TEST_F(Guide, LightInFlightArrivesFirstByTheShortestWay) {
   const Image film = render("light-in-flight", "80x60", "16",
                             {"--integrator", "path", "--paths", "LDE", "--time-of-flight", "5.5:9:70"});
-  // Length of the first frame with light between these columns and rows.
+  // Length of the first frame with light in these columns and rows.
   const auto first = [&](int x0, int x1, int y0, int y1) {
     for (int frame = 0; frame < 70; ++frame) {
       const int green = film.channel((frame < 10 ? "frame-000" : "frame-00") + std::to_string(frame) + ".G");
@@ -151,7 +151,7 @@ TEST_F(Guide, LightInFlightArrivesFirstByTheShortestWay) {
     }
     return double(INFINITY);
   };
-  // The shortest way over a plane is as long as the straight line from the lamp's mirror image.
+  // The shortest path by a plane is as long as the straight line from the mirror image of the lamp.
   EXPECT_NEAR(first(18, 62, 2, 20), std::hypot(1.3, 0.4, 1.6 + 5 + 2), 0.051) << "the wall at the back";
   EXPECT_LT(first(0, 80, 40, 60), 6) << "the floor";
 }
@@ -236,8 +236,8 @@ TEST_F(Guide, CommandsOfThePagesHaveOptionsThatExist) {
   int count = 0;
   for (const std::string& page : pages) {
     std::string text = contents(page);
-    text = std::regex_replace(text, std::regex(R"(\\\n)"), " ");     // a command goes on in the next line
-    text = std::regex_replace(text, std::regex(R"("[^"\n]*")"), ""); // options of another command
+    text = std::regex_replace(text, std::regex(R"(\\\n)"), " ");     // commands may continue in the next line
+    text = std::regex_replace(text, std::regex(R"("[^"\n]*")"), ""); // options of the quoted command
     for (std::sregex_iterator i(text.begin(), text.end(), command), end; i != end; ++i) {
       const std::string words = (*i)[1];
       const bool isScript = has((*i)[0], "scripts/render");

@@ -1,5 +1,5 @@
 /** @file
- * The page of `recurse render --live`, as clients of every kind see it.
+ * Page of `recurse render --live` for clients of every kind.
  */
 #include "program.h"
 
@@ -14,12 +14,12 @@ using namespace programTesting;
 
 namespace {
 
-/** What is printed of a page: http://HOST:PORT/PATH. */
+/** Address that the program prints: http://HOST:PORT/PATH. */
 struct PageAddress {
   std::string host, path;
   int port = 0;
 
-  /** Empty before it is printed. */
+  /** Empty if the messages have no address yet. */
   explicit PageAddress(const std::string& messages) {
     const size_t begin = messages.find("http://"), end = messages.find('\n', begin);
     if (begin == std::string::npos || end == std::string::npos) return;
@@ -60,7 +60,7 @@ class PageClient {
   void send(const std::string& text) {
     isOpen = isOpen && ::send(socket, text.data(), text.size(), MSG_NOSIGNAL) == ssize_t(text.size());
   }
-  /** All that comes until the other end closes the connection. */
+  /** All bytes until the connection is closed. */
   std::string answer() {
     std::string out, part(1 << 16, '\0');
     for (ssize_t size; isOpen && (size = ::recv(socket, part.data(), part.size(), 0)) > 0;)
@@ -73,7 +73,7 @@ class PageClient {
   bool isOpen = false;
 };
 
-/** The whole answer to a request. */
+/** Complete response to a request. */
 std::string ask(const PageAddress& page, const std::string& method, const std::string& path,
                 const std::string& host, const std::string& headers = {}) {
   PageClient client(page);
@@ -90,7 +90,7 @@ int statusOf(const std::string& answer) {
   return answer.starts_with("HTTP/1.1 ") ? std::atoi(answer.c_str() + 9) : 0;
 }
 
-/** Empty where nobody answers. */
+/** Empty without a response. */
 nlohmann::json stateOf(const PageAddress& page) {
   const std::string answer = ask(page, "state");
   const size_t body = answer.find("\r\n\r\n");
@@ -100,7 +100,7 @@ nlohmann::json stateOf(const PageAddress& page) {
 
 class LivePage : public Program {
  protected:
-  /** A render without end while `visit` looks at its page; then it is interrupted. */
+  /** Calls `visit` during a render without end, then interrupts the render. */
   Outcome live(const std::vector<std::string>& options,
                const std::function<void(const PageAddress&)>& visit) {
     std::vector<std::string> arguments = {"render",     "scene.pbrt", "--integrator", "path", "--spp",
@@ -153,7 +153,7 @@ TEST_F(LivePage, SlowClientsKeepNobodyOutAndNoRenderFromEnding) {
     status = statusOf(ask(page, "state"));
   });
   EXPECT_EQ(status, 200);
-  EXPECT_EQ(o.status, 130) << o.err; // SIGKILL where the clients kept it from ending for a minute
+  EXPECT_EQ(o.status, 130) << o.err; // SIGKILL if clients delay the end by a minute
   EXPECT_TRUE(exists("a.exr"));
 }
 
@@ -220,7 +220,7 @@ TEST_F(LivePage, WhoWatchesGetsTheLastPicture) {
   const recurse::Image picture(24, 16, {"R", "G", "B"});
   viewers->look([&] { return picture; }, [](const std::string&) {});
 
-  const int64_t before = stateOf(page).value("version", 0); // from here on the page is open
+  const int64_t before = stateOf(page).value("version", 0); // from now on the page is open
   EXPECT_GT(before, 0);
   int64_t last = 0, shown = -1;
   std::thread watcher([&] {

@@ -1,5 +1,5 @@
 /** @file
- * Manual pages and completions know every subcommand and option that --help knows.
+ * Manual pages and completions contain every subcommand and option of --help.
  */
 #include "program.h"
 
@@ -22,7 +22,7 @@ class Manual : public Program {
     }
     return out;
   }
-  /** As it is shown: troff writes every dash with a backslash. */
+  /** Text as displayed: troff source has a backslash before every dash. */
   static std::string withoutBackslashes(std::string text) {
     std::erase(text, '\\');
     return text;

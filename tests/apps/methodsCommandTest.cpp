@@ -1,5 +1,5 @@
 /** @file
- * `recurse methods`: made, gone on with, refused, and methods that cannot render a scene.
+ * `recurse methods`: new, continued and refused runs, and methods that cannot render a scene.
  */
 #include "program.h"
 
@@ -38,7 +38,7 @@ TEST_F(MethodsProgram, MakesReportAndGoesOn) {
   for (const auto& m : j["methods"]) EXPECT_EQ(m["samples_per_pixel"], 4.0);
   EXPECT_TRUE(exists("out/sheet.png") && exists("out/index.html"));
   EXPECT_FALSE(exists("out/reference-a.exr.checkpoint"));
-  // What is there is kept, and what is missing is made.
+  // Existing pictures are kept, and missing ones are rendered.
   const std::string kept = contents(file("out/method-path.exr"));
   ASSERT_EQ(run({"info", "out/method-path.exr"}).status, 0);
   std::filesystem::remove(file("out/method-few.exr"));
@@ -59,13 +59,13 @@ TEST_F(MethodsProgram, AmbientOcclusionShowsAClosedRoom) {
 }
 
 TEST_F(MethodsProgram, NoMethodTakesMuchLongerThanItsTime) {
-  // A sample of each pixel would take minutes.
+  // A sample of every pixel would take minutes.
   const Outcome o =
       run({"methods", "scene.pbrt", "-o", "out", "--time-limit", "2s", "--reference-spp", "1", "--resolution",
            "768x512", "--method", "slow=--integrator vpl --set lightpaths=40000"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_NE(report()["methods"][0]["failure"], "");
-  // The first sample of each pixel may take a second more.
+  // The first sample of every pixel may take a second more.
   const recurse::Image picture = recurse::readImage(file("out/method-slow.exr"));
   EXPECT_LT(std::stod(picture.metadata.at("recurse:seconds")), 60);
 }
@@ -87,7 +87,7 @@ TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {
                                     "--method",        "whitted",    "--method", method, "--method", "bdpt",
                                     "--reference-spp", "4"};
   };
-  // A sample of each pixel would take minutes.
+  // A sample of every pixel would take minutes.
   const Outcome stopped =
       run(withSecond("slow=--integrator path --set lightsamples=1000000"), [&](pid_t child) {
         EXPECT_TRUE(appears("out/method-whitted.exr"));

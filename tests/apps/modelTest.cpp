@@ -28,7 +28,7 @@ class ProgramModel : public Program {
   }
 };
 
-/** The mean of a picture's middle. */
+/** Mean of the middle of a picture. */
 recurse::Rgb middle(const Image& image) {
   recurse::Rgb sum(0);
   for (int y = 9; y < 15; ++y)
@@ -45,7 +45,7 @@ TEST_F(ProgramModel, IsRenderedAsItIs) {
   const Image picture = readImage(file("box.exr"));
   EXPECT_GT(middle(picture).r, 0.2f);
   EXPECT_LT(middle(picture).g, 0.1f);
-  EXPECT_NEAR(picture.rgb(0, 0).g, 0.5f, 0.01f); // the sky: all of the box is seen
+  EXPECT_NEAR(picture.rgb(0, 0).g, 0.5f, 0.01f); // the sky: the whole box is in the view
   const Outcome check = run({"render", "models/box.obj", "--check"});
   EXPECT_TRUE(has(check.out, "1 mesh, 12 triangles, 1 material, 1 picture")) << check.out;
 }
@@ -114,7 +114,7 @@ TEST_F(ProgramModel, AMapOfAGameIsChosenWithItsCamera) {
   EXPECT_FALSE(has(o.err, "no picture")) << o.err;
   const recurse::Rgb floor = readImage(file("m.exr")).rgb(16, 20);
   EXPECT_GT(floor.r, 0);
-  EXPECT_EQ(floor.g, 0); // by the picture in the archive beside it
+  EXPECT_EQ(floor.g, 0); // by the picture in the archive next to it
   const Outcome away = render({"--map", "two", "--camera", "spawn 1"});
   ASSERT_EQ(away.status, 0) << away.err;
   EXPECT_EQ(readImage(file("m.exr")).rgb(16, 20).r, 0);
@@ -123,7 +123,7 @@ TEST_F(ProgramModel, AMapOfAGameIsChosenWithItsCamera) {
   EXPECT_TRUE(has(none.err, "there are: spawn:1, spawn:2")) << none.err;
   EXPECT_EQ(run({"render", "scene.pbrt", "--camera", "spawn:1"}).status, 2);
   EXPECT_EQ(run({"render", "models/box.obj", "--map", "two"}).status, 2);
-  // A loose map with the archives of its game.
+  // A map outside of archives, next to the archives of its game.
   std::filesystem::create_directories(file("game/maps"));
   write("game/maps/three.bsp", map.file());
   const Outcome loose = run({"render", "game/maps/three.bsp", "-o", "m.exr", "--resolution", "32x24", "--spp",
@@ -203,7 +203,7 @@ TEST_F(ProgramModel, FilesOutsideOfItsFolderAreNotCopied) {
     EXPECT_FALSE(has(o.err, "outside")) << o.err;
     std::filesystem::remove_all(file("made-files"));
   }
-  // What a mesh is read from is copied too.
+  // Files from which a mesh is read are copied, too.
   model("own.png", "../secret.bin");
   EXPECT_EQ(run({"convert", "models/m.gltf", "-o", "made.pbrt"}).status, 3);
   EXPECT_FALSE(exists("made.pbrt") && exists("made-files"));

@@ -1,5 +1,5 @@
 /** @file
- * `recurse-mpi`: the same bits as one process, for any number of ranks, and whoever is killed.
+ * `recurse-mpi`: the same bits as one process, for any number of ranks, and for any killed rank.
  */
 #ifdef RECURSE_MPI_PROGRAM
 
@@ -22,7 +22,7 @@ class Mpi : public Program {
     Program::SetUp();
     if (recurse::testing::SANITIZED) GTEST_SKIP() << "what MPI itself leaks and hooks is not ours";
   }
-  /** As mpirun would start so many ranks. What they say is in the file "log". */
+  /** Exit status of a shell command in the folder, as root for mpirun; its output is in the file "log". */
   int shell(const std::string& command) const {
     const int status = std::system(("cd " + folder +
                                     " && export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
@@ -32,7 +32,7 @@ class Mpi : public Program {
     return WEXITSTATUS(status);
   }
   static std::string ranks(int count, const std::string& program = RECURSE_MPI_PROGRAM) {
-    // Open MPI 4.1 may wait for ever where a rank is killed while it starts.
+    // Open MPI 4.1 may wait for ever for a rank that is killed during its start.
     return "timeout -k 1 60 " RECURSE_MPIRUN " --oversubscribe --mca plm ^rsh -n " + std::to_string(count) +
            " " + program + " ";
   }
@@ -41,7 +41,7 @@ class Mpi : public Program {
     EXPECT_EQ(shell(RECURSE_PROGRAM " render scene.pbrt -q -o whole.exr" + settings), 0) << log();
     return readImage(file("whole.exr")).pixels;
   }
-  /** With another number of ranks each time; any of them is killed. */
+  /** Runs with a different number of ranks each time, and kills a random rank. */
   void killAndGoOn(const std::string& settings, std::mt19937& random) const {
     const std::vector<float> truth = whole(settings);
     int kills = 0;
@@ -135,7 +135,7 @@ TEST_F(Mpi, RanksWithoutTheFilesGetThem) {
         "0 .2 0\n1 .2 0\n0 .2 1\n3 0 1 2\n");
   write("scene.pbrt", scene("", "Include \"parts/floor.pbrt\"\n"));
   const std::vector<float> truth = whole(" --integrator path --spp 8");
-  // Rank 1 is where there is no such file.
+  // The file is missing for rank 1.
   write("rank.sh",
         "#!/bin/sh\n[ $OMPI_COMM_WORLD_RANK = 1 ] && cd /\n"
         "exec " RECURSE_MPI_PROGRAM " render ${1:-scene.pbrt} --integrator path --spp 8 --send-scene -q "
@@ -170,7 +170,7 @@ TEST_F(Mpi, LimitsHold) {
 }
 
 TEST_F(Mpi, TimeLimitEndsTheFirstPassOfPhotons) {
-  // As many photons as this take longer than the test may.
+  // Number of photons that takes more time than the test allows.
   for (const std::string passes : {"1", "0"}) {
     ASSERT_EQ(shell(ranks(2) +
                     "render scene.pbrt --integrator photonmap --set photons=2000000000 --set passes=" +

@@ -1,5 +1,5 @@
 /** @file
- * Values of options: what is taken, and what is not.
+ * Values of options: accepted and rejected texts.
  */
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 /** @file
- * Files that commands write: where, over what, and what is refused.
+ * Files that commands write: their positions, existing files, and refusals.
  */
 #include "program.h"
 
@@ -18,7 +18,7 @@ class OutputFiles : public Program {
     std::filesystem::create_directories(file("in"));
     std::filesystem::rename(file("scene.pbrt"), file("in/scene.pbrt"));
   }
-  /** A scene whose film has this name; it is rendered in the folder "in" without -o. */
+  /** Renders a scene whose film has this name in the folder "in" without -o. */
   Outcome renderFilm(const std::string& name) const {
     std::string text = scene();
     text.replace(text.find("film.exr"), 8, name);
@@ -45,7 +45,7 @@ TEST_F(OutputFiles, AFilmsNameLeadsNowhereButToTheCurrentFolder) {
     std::filesystem::remove(file("in/out.exr"));
     std::filesystem::remove(file("out.exr"));
   }
-  // A link that came with the scene.
+  // A symbolic link next to the scene.
   writePicture(file("holiday.exr"));
   const std::string before = contents(file("holiday.exr"));
   std::filesystem::create_symlink("../holiday.exr", file("in/link.exr"));
@@ -53,7 +53,7 @@ TEST_F(OutputFiles, AFilmsNameLeadsNowhereButToTheCurrentFolder) {
   std::filesystem::create_directory_symlink("..", file("in/up"));
   EXPECT_EQ(renderFilm("up/holiday.exr").status, 0);
   EXPECT_EQ(contents(file("holiday.exr")), before);
-  // Plain names and folders below.
+  // Plain names, and folders below.
   std::filesystem::create_directories(file("in/pictures"));
   for (const std::string name : {"plain.exr", "pictures/a.exr"}) {
     const Outcome o = renderFilm(name);
@@ -124,7 +124,7 @@ TEST_F(OutputFiles, OneFileIsNotWrittenForTwoPurposes) {
     EXPECT_FALSE(exists("x.exr") || exists("in/x.exr") || exists("d.png")) << line;
     for (const auto& [name, text] : before) EXPECT_TRUE(contents(file(name)) == text) << line << name;
   }
-  // /dev/null takes all.
+  // /dev/null may be named twice.
   EXPECT_EQ(run(with({"-o", "x.exr", "--stats", "/dev/null"})).status, 0);
 }
 
@@ -136,7 +136,7 @@ TEST_F(OutputFiles, AConvertedModelDoesNotTakeThePlaceOfItsFiles) {
   for (const auto& entry : std::filesystem::directory_iterator(file("made-files")))
     if (entry.path().extension() == ".ply") meshes.push_back(entry.path().filename().string());
   ASSERT_EQ(meshes.size(), 1u);
-  // As a model, a mesh by the name that its copy would have.
+  // Model in the place of the scene: a mesh with the name that its copy would have.
   std::string model;
   for (int i = 0; i < 2 && model.empty(); ++i) {
     ASSERT_EQ(run({"convert", "made-files/" + meshes[0], "-o", "again.pbrt"}).status, 0);
@@ -174,7 +174,7 @@ TEST_F(OutputFiles, NamedPipesAreNotWaitedFor) {
     EXPECT_NE(o.status, 0) << command;
     EXPECT_TRUE(has(o.err, "p.")) << command << ": " << o.err;
   }
-  // Materials that are missing cost a model no more than those.
+  // A model with missing materials loses only the materials.
   EXPECT_EQ(runAMinute({"convert", "m.obj", "-o", "m.pbrt"}).status, 0);
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Answers to questions about pixels of a running render.
+ * Queries for pixels of a running render.
  */
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@ namespace {
 
 using recurse::apps::PixelQueries;
 
-/** Pause of a render whose integrator has shot its photons. */
+/** RenderPause of a render whose integrator has shot its photons. */
 class PauseOfPhotons : public recurse::RenderPause {
  public:
   PauseOfPhotons(const recurse::Scene& scene, const recurse::PathClasses& classes)
@@ -30,7 +30,7 @@ class PauseOfPhotons : public recurse::RenderPause {
   std::unique_ptr<recurse::Integrator> method;
 };
 
-/** Questions about a floor under a lamp. */
+/** Queries for a floor under a lamp. */
 class PixelQuestions : public ::testing::Test {
  protected:
   const std::shared_ptr<const recurse::Scene> scene = recurse::testing::sceneFrom(

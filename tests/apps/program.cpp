@@ -1,7 +1,7 @@
 /** @file
- * Starting the program takes longer than most of what the tests ask of it, since OpenImageIO loads 250
- * libraries. So a launcher forks off before the tests, and forks again for each run. That RECURSE_PROGRAM
- * itself starts, and returns its exit status, is seen by the tests that run it in a shell.
+ * The start of the program takes longer than most tests, because OpenImageIO loads 250 libraries. So a
+ * launcher forks off before the tests, and forks again for each run. Tests that run RECURSE_PROGRAM in a
+ * shell check its own start and exit status.
  */
 #include "program.h"
 
@@ -17,20 +17,18 @@
 
 #include "apps/program.h"
 
-extern "C" __attribute__((weak)) void __lsan_do_leak_check(); // there is one under AddressSanitizer
+extern "C" __attribute__((weak)) void __lsan_do_leak_check(); // defined under AddressSanitizer
 
 namespace programTesting {
 
 namespace {
 
-int launcher = -1; // the socket to it
+int launcher = -1; // socket to the launcher
 
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
-/**
- * Libraries start threads as they are loaded (log4cplus does). They shall wait for work when the launcher
- * forks: a lock that one of them had would never open again.
- */
+/** Libraries start threads when they are loaded (log4cplus does). Waits until these threads are idle before
+ * the launcher forks: a lock of one of them would never be released in the child. */
 void awaitRest() {
   const std::string self = std::to_string(::getpid());
   const auto busy = [&](const std::filesystem::directory_entry& thread) {
@@ -41,7 +39,7 @@ void awaitRest() {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-/** In the process of a run: `words` are the folder and the arguments, a zero byte after each. */
+/** Runs in the process of a run: `words` are the folder and the arguments, each terminated by a zero byte. */
 [[noreturn]] void runHere(std::string words) {
   const char* const folder = words.c_str();
   std::vector<char*> argv;
@@ -55,14 +53,14 @@ void awaitRest() {
   ::dup2(::open(".stderr", O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
   const int status = recurse::apps::program(int(argv.size()) - 1, argv.data());
   std::fflush(nullptr);
-  if (status == 0 && __lsan_do_leak_check) { // it takes longer than all that ends in an error
+  if (status == 0 && __lsan_do_leak_check) { // the leak check takes longer than all runs that end in an error
     ::dup2(console, STDERR_FILENO);
     __lsan_do_leak_check();
   }
-  ::_exit(status); // the exit of log4cplus would wait for its threads, which are not in this process
+  ::_exit(status); // the exit handler of log4cplus would wait for threads that do not exist in this process
 }
 
-/** The launcher: answers each command with the process number, and when that has ended with its status. */
+/** Launcher: responds to each command with the process id, and at the end of the process with its status. */
 [[noreturn]] void serve(int socket) {
   std::string words(1 << 16, '\0');
   for (ssize_t size; (size = ::recv(socket, words.data(), words.size(), 0)) > 0;) {
@@ -77,7 +75,7 @@ void awaitRest() {
     ::waitpid(child, &status, 0);
     ::send(socket, &status, sizeof status, MSG_NOSIGNAL);
   }
-  ::_exit(0); // the tests have ended
+  ::_exit(0); // the tests are finished
 }
 
 void startLauncher() {

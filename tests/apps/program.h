@@ -1,5 +1,5 @@
 /** @file
- * Runs the program as a person would, in a folder of its own.
+ * Runs the program as a user would, in a separate folder.
  */
 #pragma once
 
@@ -22,7 +22,7 @@
 namespace programTesting {
 
 struct Outcome {
-  int status = -1; ///< 128 + signal where it was killed
+  int status = -1; ///< 128 + signal if it was killed
   std::string out, err;
   double seconds = 0;
 };
@@ -34,11 +34,11 @@ inline std::string contents(const std::string& name) {
   return text.str();
 }
 
-/** Runs the program in `folder`, in a process of its own; `meanwhile` gets the number of that process. */
+/** Runs the program in `folder` as a separate process; `meanwhile` is called with its process id. */
 Outcome runIn(const std::string& folder, const std::vector<std::string>& arguments,
               const std::function<void(pid_t)>& meanwhile = {});
 
-/** A fixture with a folder, and a small scene in it: a lit floor under a square lamp. */
+/** Fixture with a folder, and a small scene in it: a lit floor under a square lamp. */
 class Program : public testing::Test {
  protected:
   void SetUp() override {
@@ -68,7 +68,7 @@ class Program : public testing::Test {
            inWorld;
   }
 
-  /** The scene with shapes that take ten minutes to make. */
+  /** Scene with shapes that take ten minutes to build. */
   static std::string slowScene() {
     std::string shapes;
     for (int i = 0; i < 1000; ++i)
@@ -81,7 +81,7 @@ class Program : public testing::Test {
               const std::function<void(pid_t)>& meanwhile = {}) const {
     return runIn(folder, arguments, meanwhile);
   }
-  /** The same for what is to end soon on any machine: it is killed a minute after `meanwhile`. */
+  /** Runs the program with a limit: it is killed a minute after `meanwhile`. */
   Outcome runAMinute(const std::vector<std::string>& arguments,
                      const std::function<void(pid_t)>& meanwhile = {}) const {
     std::jthread watch;
@@ -99,7 +99,7 @@ class Program : public testing::Test {
   std::string file(const std::string& name) const { return folder + "/" + name; }
   void write(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
   bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
-  /** Files whose name begins with a dot: temporary ones that were left behind. */
+  /** Number of remaining temporary files, whose names begin with a dot. */
   size_t leftBehind() const {
     size_t count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -110,7 +110,7 @@ class Program : public testing::Test {
     return text.find(part) != std::string::npos;
   }
 
-  /** Waits until something is so; false where it is not within a minute. */
+  /** Waits until the condition holds; false if it does not within a minute. */
   static bool comesTo(const std::function<bool()>& isSo) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
     while (!isSo()) {
@@ -133,7 +133,7 @@ class Program : public testing::Test {
       return false;
     });
   }
-  /** Waits for that, then sends it the signal; without a sample after a minute SIGKILL. */
+  /** Function that waits for isUnderWay() and sends the signal; SIGKILL after a minute without a sample. */
   std::function<void(pid_t)> onceUnderWay(int signal) const {
     return [this, signal](pid_t child) { ::kill(child, isUnderWay() ? signal : SIGKILL); };
   }

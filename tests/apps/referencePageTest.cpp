@@ -1,5 +1,5 @@
 /** @file
- * The reference page in doc-files/ says what the program says today.
+ * The reference page in doc-files/ is equal to the current output of the program.
  */
 #include <gtest/gtest.h>
 

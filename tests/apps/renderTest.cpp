@@ -60,7 +60,7 @@ TEST_F(ProgramRender, SameSeedSamePictureWhateverTheThreads) {
       arguments.insert(arguments.end(), more.begin(), more.end());
       const Outcome o = run(arguments);
       EXPECT_EQ(o.status, 0) << o.err;
-      EXPECT_FALSE(has(o.err, "samples")) << o.err; // a quiet run tells warnings only
+      EXPECT_FALSE(has(o.err, "samples")) << o.err; // a quiet run prints warnings only
       return readImage(file(name)).pixels;
     };
     const auto one = picture("one.exr", {"--nthreads", "1"});
@@ -125,13 +125,13 @@ TEST_F(ProgramRender, OptionsOverrideTheFile) {
   EXPECT_TRUE(has(integratorLine({}), "path: maxdepth 7")) << integratorLine({});
   EXPECT_TRUE(has(integratorLine({"--maxdepth", "3"}), "path: maxdepth 3"));
   EXPECT_TRUE(has(integratorLine({"--maxdepth", "-1"}), "path: maxdepth -1"));
-  // Another integrator keeps what it has a meaning for.
+  // A second integrator keeps the parameters that it knows.
   const std::string photons =
       integratorLine({"--integrator", "photonmap", "--photons", "2M", "--radius", "0.25"});
   for (const char* part : {"photonmap: ", "maxdepth 7", "photons 2000000", "radius 0.25"})
     EXPECT_TRUE(has(photons, part)) << photons;
   EXPECT_TRUE(has(integratorLine({"--set", "lightsamples=4"}), "lightsamples 4"));
-  // But no radius, which was chosen for the file's own.
+  // The exception is the radius, which was chosen for the integrator of the file.
   write("depth.pbrt", scene("Integrator \"sppm\" \"integer maxdepth\" 7 \"float radius\" .5\n"));
   EXPECT_TRUE(has(integratorLine({}), "radius 0.5")) << integratorLine({});
   const std::string other = integratorLine({"--integrator", "photonmap"});
@@ -301,7 +301,7 @@ TEST_F(ProgramRender, PathClassesSelectLight) {
   ASSERT_EQ(
       run({"render", "scene.pbrt", "--integrator", "path", "-q", "--paths", "LE", "-o", "a.exr"}).status, 0);
   Image image = readImage(file("a.exr"));
-  EXPECT_EQ(image.rgb(12, 14), recurse::BLACK); // the floor is lit, but does not shine
+  EXPECT_EQ(image.rgb(12, 14), recurse::BLACK); // the floor reflects light, but does not emit
   EXPECT_EQ(image.metadata["recurse:classes"], "LE");
 }
 
@@ -335,7 +335,7 @@ TEST_F(ProgramRender, InterruptWritesWhatThereIs) {
                            "a.exr", "--stats", "s.json", "--progress", "json"},
                           onceUnderWay(signal));
     EXPECT_EQ(o.status, 130) << o.err;
-    EXPECT_LT(o.seconds, 120); // with the minute that a sample may take
+    EXPECT_LT(o.seconds, 120); // including the minute that a sample may take
     const Image image = readImage(file("a.exr"));
     EXPECT_GT(image.rgb(12, 14).g, 0.01f);
     EXPECT_EQ(nlohmann::json::parse(contents(file("s.json")))["stop_reason"], "interrupted");
@@ -354,14 +354,14 @@ TEST_F(ProgramRender, FailedRunsLoseNoPicture) {
   EXPECT_EQ(run({"render", "bad.pbrt", "-o", "a.exr"}).status, 3);
   EXPECT_TRUE(contents(file("a.exr")) == before);
 
-  // Killed in the middle.
+  // Killed during the render.
   const Outcome killed = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o",
                               "a.exr", "--progress", "json"},
                              onceUnderWay(SIGKILL));
   EXPECT_EQ(killed.status, 128 + SIGKILL);
   EXPECT_TRUE(contents(file("a.exr")) == before);
 
-  // A disk that is full when the picture is written; see the limit on the size of files.
+  // A full disk at the time of writing, simulated by the limit on the size of files.
   const std::string command = "cd '" + folder + "' && (ulimit -f 0; trap '' XFSZ; '" + RECURSE_PROGRAM +
                               "' render scene.pbrt --integrator path -q -o a.exr) > out.txt 2>&1";
   const int status = std::system(command.c_str());
@@ -383,7 +383,7 @@ TEST_F(ProgramRender, FilesOfTheSceneAreNotWrittenOver) {
 }
 
 TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
-  // The folder goes away while the picture is rendered.
+  // The folder is removed during the render.
   std::filesystem::create_directory(file("gone"));
   const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o",
                          "gone/a.exr", "-o", "b.exr", "--progress", "json"},
@@ -399,7 +399,7 @@ TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
 
 namespace {
 
-/** A port of this machine that somebody has, and listens to where `listens`. */
+/** A port of this machine that is in use, with a listener if `listens`. */
 class TakenPort {
  public:
   explicit TakenPort(bool listens) : socket(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -423,7 +423,7 @@ class TakenPort {
   int socket;
 };
 
-/** A latitude-longitude map of grey, with one pixel of another value. */
+/** A latitude-longitude map of grey, with one pixel of a different value. */
 std::string environmentMap(int width, int height, float pixel) {
   std::string out = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
   for (int i = 0; i < width * height * 3; ++i) {
@@ -498,16 +498,16 @@ TEST_F(ProgramRender, TheFilmLimitsSamplesAndBalancesWhite) {
     }
     return std::pair(sum, largest);
   };
-  // White light: X, Y and Z are .9505, 1 and 1.089 of its brightness.
+  // White light: X, Y and Z are .9505, 1 and 1.089 times its luminance.
   EXPECT_GT(mean("", "a.exr", 0).second, 0.3);
   EXPECT_LE(mean("\"float maxcomponentvalue\" 0.1", "b.exr", 0).second, 0.1 / 1.089 * 1.01);
-  // What was white is blue once the light of a candle counts as white, and red for that of the sky.
+  // White is blue after white balance for candlelight, and red after white balance for the sky.
   const double red = mean("", "r.exr", 0).first, blue = mean("", "r.exr", 2).first;
   EXPECT_NEAR(red, blue, 1e-3 * red);
   EXPECT_GT(mean("\"float whitebalance\" 2500", "c.exr", 2).first,
             2 * mean("\"float whitebalance\" 2500", "c.exr", 0).first);
   EXPECT_LT(mean("\"float whitebalance\" 15000", "d.exr", 2).first,
             0.8 * mean("\"float whitebalance\" 15000", "d.exr", 0).first);
-  // That of D65 stays.
+  // White balance for D65 has no effect.
   EXPECT_NEAR(mean("\"float whitebalance\" 6504", "e.exr", 2).first, blue, 0.01 * blue);
 }

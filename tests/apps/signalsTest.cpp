@@ -1,5 +1,5 @@
 /** @file
- * Signals that end a render: it leaves what it has.
+ * Signals that end a render: the picture up to then is written.
  */
 #include "program.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 class Signals : public Program {
  protected:
-  /** The exit status of a line for the shell, in the folder. */
+  /** Exit status of a shell command in the folder. */
   int shell(const std::string& line) const {
     return WEXITSTATUS(
         std::system(("cd '" + folder + "' && R='" + RECURSE_PROGRAM + "' && " + line).c_str()));

@@ -1,5 +1,5 @@
 /** @file
- * `recurse split`: scripts that run nothing but what they are for.
+ * `recurse split`: its scripts run only the intended commands.
  */
 #include "program.h"
 
@@ -17,7 +17,7 @@ TEST_F(SplitCommand, NamesOfFoldersRunNoCommands) {
                                        "./" + name, "--integrator", "path"});
   ASSERT_EQ(o.status, 0) << o.err;
   const std::string job = name + "/" + name;
-  // A copy of the folder works on itself.
+  // A copy of the folder uses its own files.
   std::filesystem::copy(file(job), file("copied"));
   EXPECT_EQ(
       std::system(
@@ -28,7 +28,7 @@ TEST_F(SplitCommand, NamesOfFoldersRunNoCommands) {
   EXPECT_FALSE(exists(job + "/picture.exr"));
   for (const std::string& where : {std::string(), name + "/", job + "/", std::string("copied/")})
     EXPECT_FALSE(exists(where + "pwned")) << where;
-  // sbatch reads these lines by rules of its own.
+  // sbatch parses these lines by its own rules.
   EXPECT_NE(contents(file(job + "/slurm.sh")).find("#SBATCH --output=/dev/null\n"), std::string::npos);
 }
 

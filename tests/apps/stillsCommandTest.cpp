@@ -54,7 +54,7 @@ TEST_F(StillsCommand, ShowsMediaWhereThereAre) {
     EXPECT_TRUE(has(o.out, name)) << o.out;
   }
   EXPECT_TRUE(has(o.out, "LS+VE")) << o.out;
-  // Those who ask for classes get no others.
+  // With --class there are no default classes.
   ASSERT_EQ(
       run({"stills", "fog.pbrt", "-o", "asked", "-q", "--integrator", "path", "--class", "v=medium"}).status,
       0);

@@ -45,7 +45,7 @@ struct Chunk {
   }
 };
 
-/** Chunks of a PNG file, whose checksums are right. */
+/** Chunks of a PNG file; verifies their checksums. */
 std::vector<Chunk> chunksOf(const std::string& png) {
   std::vector<Chunk> chunks;
   for (size_t at = 8; at < png.size();) {
@@ -59,7 +59,7 @@ std::vector<Chunk> chunksOf(const std::string& png) {
 
 class TimeOfFlight : public Program {
  protected:
-  /** Frames of an animated PNG as pictures; their numbering is checked. */
+  /** Frames of an animated PNG as pictures; verifies their numbering. */
   std::vector<Image> framesOf(const std::string& name, uint32_t perSecond = 24) const {
     const std::string png = contents(file(name));
     std::string header;
@@ -99,7 +99,7 @@ class TimeOfFlight : public Program {
     EXPECT_TRUE(has(o.err, words)) << o.err;
     for (const char* name : {"f.png", "f.apng", "f.mp4", "f.exr"}) EXPECT_FALSE(exists(name)) << name;
   }
-  /** Runs the program with only `folder`/bin in the PATH. */
+  /** Runs the program with the PATH `folder`/bin. */
   int runWithOwnPath(const std::string& arguments) const {
     return std::system(("cd '" + folder + "' && PATH='" + folder +
                         "/bin' '" RECURSE_PROGRAM "' render scene.pbrt "
@@ -146,13 +146,13 @@ TEST_F(TimeOfFlight, FilmShowsTheLayersWithOneExposure) {
       }
     }
   EXPECT_GT(shown, 100u);
-  // The same film again from the layers.
+  // Film made again from the layers.
   const Outcome again = run({"develop", "f.exr", "-o", "g.apng", "--exposure", "p90", "--tonemap", "none"});
   ASSERT_EQ(again.status, 0) << again.err;
   const std::vector<Image> developed = framesOf("g.apng");
   ASSERT_EQ(developed.size(), frames.size());
   for (size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(developed[i].pixels, frames[i].pixels) << i;
-  // The picture is all light, as without the option.
+  // The picture has all light, as without the option.
   ASSERT_EQ(render({"-o", "still.exr", "-o", "still.jpg", "--exposure", "p90", "--tonemap", "none"}).status,
             0);
   const Image still = readImage(file("still.exr"));
@@ -237,7 +237,7 @@ TEST_F(TimeOfFlight, FfmpegMakesMp4WhereItIsInstalled) {
   EXPECT_NE(runWithOwnPath(arguments), 0);
   EXPECT_TRUE(has(contents(file("log")), "f.mp4: needs the program ffmpeg")) << contents(file("log"));
   EXPECT_TRUE(has(contents(file("log")), "apt install ffmpeg"));
-  // A stand-in, which writes its arguments and the pictures it got.
+  // A substitute, which writes its arguments and the names of its input pictures.
   writeFfmpeg("echo \"$@\" > film.mp4\nfor i in *.png; do echo $i >> film.mp4; done\n");
   ASSERT_EQ(runWithOwnPath(arguments), 0) << contents(file("log"));
   const std::string film = contents(file("f.mp4"));

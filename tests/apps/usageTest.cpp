@@ -124,7 +124,7 @@ TEST_F(ProgramUsage, ReferenceFindsWhatAWordMeansAndTheTextsThatHaveIt) {
     std::istringstream lines(o.out);
     for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
   }
-  // Every shape has the same opacity: that is one match.
+  // Every shape has the parameter: it is one match.
   const std::string alpha = run({"reference", "opacity"}).out;
   EXPECT_EQ(alpha.find("alpha"), alpha.rfind("alpha")) << alpha;
   const std::string two = run({"reference", "sphere", "fog"}).out;
@@ -225,7 +225,7 @@ TEST_F(ProgramUsage, ReferenceClassesAndExplain) {
 }
 
 TEST_F(ProgramUsage, ExplainTellsWhatAutoChooses) {
-  // A coat under an even sky, in as many pixels as a trial takes.
+  // A coat under a uniform sky, at the number of pixels that a trial needs.
   write("coat.pbrt", "Film \"rgb\" \"integer xresolution\" 96 \"integer yresolution\" 96\n"
                      "LookAt 0 1.5 4  0 .4 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\n"
                      "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
@@ -321,7 +321,7 @@ TEST_F(ProgramUsage, LightThatAnIntegratorCannotFindIsTold) {
   EXPECT_TRUE(has(run({"explain", "--integrator", "path"}).out,
                   "No estimator finds these paths of point, spot and distant lights: LS+D"));
   EXPECT_FALSE(has(run({"explain", "--integrator", "photonmap"}).out, "No estimator finds"));
-  // References come from an integrator that finds it.
+  // The integrator of references must be able to find the light.
   const Outcome study = run({"converge", "glass.pbrt", "-o", "study", "--samples", "1", "--seeds", "2",
                              "--reference-error", "10", "--run", "p=--integrator path"});
   EXPECT_TRUE(has(study.err, "two pictures by progressive photon mapping")) << study.err;

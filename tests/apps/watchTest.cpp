@@ -1,5 +1,5 @@
 /** @file
- * `recurse render --watch`: a change of the scene's files makes a new picture.
+ * `recurse render --watch`: a change of a file of the scene starts a new render.
  */
 #include "program.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 class Watch : public Program {
  protected:
-  /** Waits for a line that says so, for the `count`th time. */
+  /** Waits until the output contains the words for the `count`th time. */
   bool said(const std::string& words, size_t count) const {
     return comesTo([&] {
       const std::string text = contents(file(".stderr"));
@@ -40,7 +40,7 @@ class Watch : public Program {
 /** The live page of a program under way. */
 class LivePage {
  public:
-  /** `said` is what the program has said so far. */
+  /** `said`: output of the program up to now. */
   explicit LivePage(const std::string& said) {
     const std::string scheme = "http://";
     const size_t at = said.find(scheme);
@@ -50,7 +50,7 @@ class LivePage {
     host = url.substr(0, url.find('/'));
     base = url.substr(url.find('/'));
   }
-  /** The answer with its head; empty without one. */
+  /** Response with its header; empty without a response. */
   std::string answer(const std::string& method, const std::string& path) const {
     const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in address{};
@@ -68,7 +68,7 @@ class LivePage {
     ::close(socket);
     return out;
   }
-  /** A number of its state; -1 without an answer. */
+  /** Number from the state of the page; -1 without a response. */
   double state(const std::string& name) const {
     const std::string text = answer("GET", "state"), key = "\"" + name + "\":";
     const size_t at = text.find(key);
@@ -130,7 +130,7 @@ TEST_F(Watch, ShowsAllRendersOnOneLivePage) {
                           EXPECT_GT(page.state("version"), before);
                           write("scene.pbrt", "nonsense");
                           EXPECT_TRUE(said(WAITING, 3));
-                          EXPECT_GT(page.state("version"), before); // the last picture stays
+                          EXPECT_GT(page.state("version"), before); // the latest picture stays
                           ::kill(child, SIGINT);
                         });
   EXPECT_EQ(o.status, 0) << o.err;
@@ -219,7 +219,7 @@ TEST_F(Watch, AChangeEndsLoading) {
 TEST_F(Watch, ASignalEndsLoadingAtOnce) {
   write("scene.pbrt", slowScene());
   const Outcome o = runAMinute({"render", "scene.pbrt", "--watch", "-o", "w.exr"}, [](pid_t child) {
-    EXPECT_TRUE(comesTo([&] { return processorSeconds(child) > 1; })); // what precedes takes milliseconds
+    EXPECT_TRUE(comesTo([&] { return processorSeconds(child) > 1; })); // earlier work takes milliseconds
     ::kill(child, SIGINT);
   });
   EXPECT_EQ(o.status, 130) << o.err;

@@ -1,6 +1,5 @@
 /** @file
- * What follows the samples of a render, feature layers and the reason of a black picture, ends when somebody
- * says so.
+ * Work after the samples of a render (feature layers, the explanation of a black picture) stops on request.
  */
 #include <gtest/gtest.h>
 
@@ -16,7 +15,7 @@ using namespace recurse::apps;
 
 namespace {
 
-/** Each ray passes thousands of surfaces, and meets all of them each time. */
+/** Each ray intersects thousands of surfaces. */
 std::string slowRays() {
   std::string text =
       "Film \"rgb\" \"integer xresolution\" 64 \"integer yresolution\" 64\nLookAt 0 0 -5  0 0 0  0 1 0\n"
@@ -35,8 +34,8 @@ LoadedScene loadedFrom(const std::string& text) {
 
 class WhatFollows : public ::testing::Test {
  protected:
-  /** Calls work(stop), with a stop that is there from the beginning or comes after a while; fails where it
-   * takes long. */
+  /** Calls work(stop) with a stop that is set from the beginning or after a while; fails if the work
+   * continues for long. */
   template <class Work> void stops(const Work& work) {
     for (const bool atOnce : {true, false}) {
       std::atomic<bool> stop{atOnce};

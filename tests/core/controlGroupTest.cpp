@@ -1,5 +1,5 @@
 /** @file
- * Memory that control groups leave, in made-up hierarchies.
+ * Memory limits of control groups, in synthetic hierarchies.
  */
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ TEST_F(ControlGroup, AllThatContainTheProcessCount) {
   write("self", "0::/user/a b:c/job");
   write("mount/memory.max", "90000");
   write("mount/memory.current", "10000");
-  EXPECT_EQ(left(), 80000); // also where the deeper groups cannot be seen
+  EXPECT_EQ(left(), 80000); // also if deeper groups are not visible
   write("mount/user/memory.max", "60000");
   write("mount/user/memory.current", "50000");
   write("mount/user/a b:c/job/memory.max", "20000");

@@ -1,5 +1,5 @@
 /** @file
- * Diagnostics: the caret below the line of a scene file, and cuts of long texts.
+ * Diagnostics: the caret below the line of a scene file, and truncation of long texts.
  */
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@ using namespace recurse;
 
 namespace {
 
-/** The two lines below a message at a byte of a line. */
+/** The two lines below a message for a byte of a line. */
 std::string caretLinesAt(const std::string& line, size_t byte) {
   Diagnostic d;
   d.location = {std::make_shared<SourceText>(SourceText{"a.pbrt", "\n" + line + "\n"}), 2, int(byte) + 1};

@@ -1,6 +1,6 @@
 /** @file
- * Eight numbers at a time: both ways of the processor against plain arithmetic, and against each other, bit
- * by bit.
+ * Vectors of eight numbers: both implementations against plain arithmetic, and against each other, bit by
+ * bit.
  */
 #include "recurse/core/math/float8.h"
 
@@ -22,7 +22,7 @@ struct PortablePath {
   using Words = portable::Uint32x8;
   using Four = portable::Float4;
 };
-/** What the renderer uses: vector instructions where they were compiled in. */
+/** Implementation of the renderer: vector instructions if they were compiled in. */
 struct BuiltPath {
   using Floats = Float8;
   using Words = Uint32x8;
@@ -40,7 +40,7 @@ template <class W> W words(const EightWords& x) {
   return W::load(aligned);
 }
 
-/** The bits of whatever an operation gives. */
+/** Bits of the result of an operation. */
 template <class T> std::vector<uint32_t> bitsOf(const T& result) {
   std::vector<uint32_t> bits(sizeof(T) / sizeof(uint32_t));
   std::memcpy(bits.data(), &result, sizeof(T));
@@ -86,7 +86,7 @@ template <class F> void eachOperation(F&& f) {
 #undef OPERATION
 }
 
-/** NaN is the same to all, whatever its sign and payload: these are not specified. */
+/** Replaces all NaNs by one, because sign and payload are not specified. */
 std::vector<uint32_t> withOneNan(std::vector<uint32_t> bits) {
   for (uint32_t& b : bits)
     if ((b & 0x7fffffff) > 0x7f800000 && b != ~0u) b = 0x7fc00000;
@@ -170,7 +170,7 @@ TYPED_TEST(Lanes, fourAtATime) {
   EXPECT_EQ(std::vector<float>(out, out + 4), (std::vector<float>{0, -2, 0, 0}));
   max(Four::load(out), Four(-1, -1, 5, NAN)).store(out);
   EXPECT_EQ(std::vector<float>(out, out + 3), (std::vector<float>{0, -1, 5}));
-  EXPECT_TRUE(std::isnan(out[3])); // of two of which one is not a number, the second
+  EXPECT_TRUE(std::isnan(out[3])); // the second operand, if one is NaN
 }
 
 TEST(LaneLists, namesTheLanesOfAMask) {

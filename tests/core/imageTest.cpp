@@ -1,5 +1,5 @@
 /** @file
- * Pictures on disk: what is written is read back, and nothing half-written stays behind.
+ * Image files: values survive writing and reading, and no partial file remains.
  */
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ TEST_F(ImageFiles, DisplayFormatsAreSrgb) {
     for (size_t i = 3; i < image.pixels.size(); ++i)
       EXPECT_NEAR(back.pixels[i], image.pixels[i], 0.005) << name;
   }
-  // sRGB of linear 0.214041 is 0.5, of twice that 0.685; one stop up doubles.
+  // sRGB of linear 0.214041 is 0.5, and of twice the value 0.685; one stop doubles the value.
   Image grey(16, 16, {"R", "G", "B"});
   std::fill(grey.pixels.begin(), grey.pixels.end(), 0.2140411f);
   for (const char* name : {"g.jpg", "g.jpeg", "g.png"}) {
@@ -118,7 +118,7 @@ TEST_F(ImageFiles, LayersAndMetadataSurvive) {
   EXPECT_EQ(back.channel("R"), 0);
   EXPECT_EQ(back.channel("nothing"), -1);
   for (const auto& [name, value] : image.metadata) EXPECT_EQ(back.metadata[name], value);
-  writeImage(file("again.exr"), back); // what a file brings along does not trip the writer
+  writeImage(file("again.exr"), back); // the metadata of a file do not disturb the writer
   EXPECT_EQ(readImage(file("again.exr")).pixels, back.pixels);
 }
 
@@ -127,7 +127,7 @@ TEST_F(ImageFiles, OtherChannelsAreSorted) {
   grey.pixels = {0.25f, 4};
   writeImage(file("y.exr"), grey);
   EXPECT_EQ(readImage(file("y.exr")).rgb(1, 0), Rgb(4));
-  writeImage(file("y.png"), grey); // one channel stands for three
+  writeImage(file("y.png"), grey); // a grey channel becomes three
   EXPECT_EQ(readImage(file("y.png")).rgb(1, 0), Rgb(1));
 
   Image alpha(1, 1, {"A", "B", "G", "R"});
@@ -161,7 +161,7 @@ TEST_F(ImageFiles, ColoursAreAsStoredBesideAlpha) {
     expectColours(readImage(file(name)), name);
     expectColours(readImage({name, std::make_shared<const std::string>(bytes)}), name + " in memory");
   }
-  // Associated by definition, also where a colour exceeds alpha.
+  // Associated alpha by definition, even if a colour exceeds alpha.
   Image associated(1, 1, {"R", "G", "B", "A"});
   associated.pixels = {.2f, .1f, .5f, .25f};
   writeImage(file("a.exr"), associated);
@@ -190,7 +190,8 @@ TEST_F(ImageFiles, ReadErrorsNameFileAndReason) {
 }
 
 TEST_F(ImageFiles, WhatIsTooLargeInMemoryIsRefusedByName) {
-  // A header of 8192x4096 pixels: 0.1 GB as bytes, and eight times that as numbers, stored and as a picture.
+  // A header of 8192x4096 pixels: 0.1 GB as bytes, and eight times as large as floats, in storage and as a
+  // picture.
   const unsigned char header[18] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0, 0x10, 24, 0};
   std::ofstream(file("a.tga"), std::ios::binary).write(reinterpret_cast<const char*>(header), 18) << "bytes";
   setMemoryLimit(0.5e9);
@@ -235,9 +236,9 @@ TEST_F(ImageFiles, FailedWriteKeepsTheOldPicture) {
     writeImage(file(name), picture());
     const std::string before = contents(file(name));
     Image large(300, 300, {"R", "G", "B"});
-    std::mt19937 generator(1); // noise cannot be compressed
+    std::mt19937 generator(1); // noise is incompressible
     for (float& value : large.pixels) value = float(generator() % 1000) / 1000;
-    // A limit on the size of files fails in the same place as a full disk does.
+    // A limit on the size of files fails at the same point as a full disk.
     const auto handler = std::signal(SIGXFSZ, SIG_IGN);
     rlimit limit{}, small{};
     ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
@@ -276,7 +277,7 @@ TEST_F(ImageFiles, TemporaryFilesOfOthersStayWhatTheyAre) {
     ASSERT_TRUE(name.starts_with(prefix)) << name;
     used = static_cast<unsigned>(std::stoul(name.substr(prefix.size())));
   }
-  // As left by processes with the same id in other containers.
+  // Files of processes with the same id in other containers.
   const std::string next = file(prefix + std::to_string(used + 1) + ".tmp"),
                     afterNext = file(prefix + std::to_string(used + 2) + ".tmp");
   for (const std::string& name : {next, afterNext}) std::ofstream(name) << "of another";
@@ -293,7 +294,7 @@ TEST_F(ImageFiles, TemporaryFilesOfKilledRunsAreRemovedADayLater) {
     std::ofstream(file("out/" + name)) << "rest";
     fs::last_write_time(file("out/" + name), fs::file_time_type::clock::now() - age);
   };
-  const std::string dead = ".recurse-999999999-"; // above the largest number of a process
+  const std::string dead = ".recurse-999999999-"; // above the largest process id
   writtenBefore(hours(25), dead + "0.tmp");
   const std::vector<std::string> kept = {
       dead + "1.exr",     dead + ".tmp",       dead + "1-2.tmp",

@@ -1,5 +1,5 @@
 /** @file
- * Large arrays: their room after growth, and after a failure to grow.
+ * Large arrays: capacity after growth, and after a failure to grow.
  */
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using namespace recurse;
 
 namespace {
 
-constexpr size_t EVERYTHING = size_t(1) << 58; ///< numbers of 8 bytes that no machine has room for
+constexpr size_t EVERYTHING = size_t(1) << 58; ///< number of 8-byte elements beyond the memory of any machine
 
 } // namespace
 

@@ -1,7 +1,7 @@
 /** @file
- * The layout of the repository, read off its files: includes point downwards and in no circles, every file
- * says what it is, plug-ins are leaves, and the list of plug-ins is complete. The checker is itself tested on
- * small made-up trees.
+ * Layout of the repository, from its files: includes point downwards without cycles, every file has a
+ * description, plug-ins are leaves, and the list of plug-ins is complete. The checker itself is tested with
+ * small synthetic trees.
  */
 #include <algorithm>
 #include <filesystem>
@@ -25,7 +25,7 @@ const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",    "shapes",      "light
                                                "phases",   "cameras",     "textures", "filters",
                                                "samplers", "integrators", "tonemaps", "importers"};
 
-/** The modules that each module may include besides itself. */
+/** Modules that each module may include in addition to itself. */
 const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {
   std::map<std::string, std::set<std::string>> m;
   m["core"] = {};
@@ -43,7 +43,7 @@ const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {
   return m;
 }();
 
-/** The folders of transport that each of them may include besides itself. */
+/** Folders of transport that each folder may include in addition to itself. */
 const std::map<std::string, std::set<std::string>> TRANSPORT_MAY_INCLUDE = [] {
   std::map<std::string, std::set<std::string>> m;
   m["integrator"] = m["photonmap"] = m["guiding"] = {};
@@ -59,11 +59,11 @@ const std::map<std::string, std::set<std::string>> TRANSPORT_MAY_INCLUDE = [] {
   return m;
 }();
 
-/** The same of integrators. */
+/** Folders of integrators that each folder may include in addition to itself. */
 const std::map<std::string, std::set<std::string>> INTEGRATORS_MAY_INCLUDE = {
     {"photonmap", {"path"}}, {"auto", {"path", "photonmap"}}};
 
-/** Modules whose private headers a module may include besides its own. */
+/** Modules whose private headers a module may include in addition to its own. */
 const std::map<std::string, std::set<std::string>> MAY_INCLUDE_PRIVATE = {{"integrators", {"transport"}},
                                                                           {"render", {"transport"}},
                                                                           {"apps", {"report", "transport"}},
@@ -72,16 +72,16 @@ const std::map<std::string, std::set<std::string>> MAY_INCLUDE_PRIVATE = {{"inte
 
 constexpr size_t MAX_FILES_IN_FOLDER = 16;
 
-/** A source file: where it is, and what it includes of the project. */
+/** Source file with its path, and its includes within the project. */
 struct SourceFile {
   std::string module;
-  std::string folder;       ///< below the module's; empty: none
+  std::string folder;       ///< folder within the module; empty: none
   bool isInterface = false; ///< in include/recurse
   std::string text;
-  std::vector<std::string> includes; ///< as paths from the root
+  std::vector<std::string> includes; ///< paths from the root
 };
 
-/** Keeps the lines, blanks comments. */
+/** Replaces comments by blanks, and keeps the lines. */
 std::string withoutComments(const std::string& text) {
   std::string out;
   for (size_t i = 0; i < text.size();) {
@@ -100,7 +100,7 @@ std::string withoutComments(const std::string& text) {
   return out;
 }
 
-/** Finds everything wrong with the tree at `root`; one sentence each. */
+/** Finds all violations in the tree at `root`; one sentence each. */
 class LayeringChecker {
  public:
   explicit LayeringChecker(const fs::path& root) : root(root) {}
@@ -189,7 +189,7 @@ class LayeringChecker {
     }
   }
 
-  /** Of the folders of a module, what one may include of another. */
+  /** Checks the includes between folders of the same module. */
   void checkFloors(const std::string& path, const SourceFile& file, const std::string& name,
                    const SourceFile& other, const std::string& module,
                    const std::map<std::string, std::set<std::string>>& mayInclude) {
@@ -203,8 +203,8 @@ class LayeringChecker {
     return fs::path(path).parent_path().generic_string();
   }
 
-  /** Whether the header `other` in src is open to the file. In a folder below one of plug-ins it is private
-   * to that folder, but if no plug-in lives there it is shared by all of the kind. */
+  /** Whether the file may include the header `other` in src. In a subfolder of plug-ins a header is private
+   * to the folder, unless no plug-in is in the folder: then all plug-ins of the kind share it. */
   bool maySeePrivate(const SourceFile& file, const SourceFile& other) const {
     if (other.module != file.module) {
       const auto more = MAY_INCLUDE_PRIVATE.find(file.module);
@@ -238,7 +238,7 @@ class LayeringChecker {
     }
   }
 
-  /** A header and the source of the same name: its path without the root and the extension. */
+  /** Unit of a header and the source with the same name: the path without root and extension. */
   static std::string unitOf(const std::string& path) {
     const std::string root = path.starts_with("src/") ? "src/" : "include/recurse/";
     return fs::path(path.substr(root.size())).replace_extension().generic_string();
@@ -249,7 +249,7 @@ class LayeringChecker {
     for (const auto& [path, file] : files)
       for (const std::string& name : file.includes)
         if (files.contains(name) && unitOf(name) != unitOf(path)) units[unitOf(path)].insert(unitOf(name));
-    std::map<std::string, int> state; // 1: on the way, 2: done
+    std::map<std::string, int> state; // 1: being visited, 2: done
     std::vector<std::string> way;
     for (const auto& [unit, others] : units) visit(unit, units, state, way);
   }
@@ -270,8 +270,8 @@ class LayeringChecker {
     state[unit] = 2;
   }
 
-  /** Two types of one name in one namespace are undefined behaviour that no compiler reports. Types of an
-   * unnamed namespace are private to their file. */
+  /** Two types with the same name in one namespace are undefined behaviour that no compiler reports. Types in
+   * an unnamed namespace are private to their file. */
   void findTypesDefinedTwice() {
     static const std::regex LINE(
         R"(\n(?:namespace ([\w:]*) ?\{|(\}) // namespace|(?:struct|class|enum class) (\w+)(?: final)?(?: : [^;\n]*)? \{))");
@@ -295,7 +295,7 @@ class LayeringChecker {
     }
   }
 
-  /** All matches of the pattern's first group in the files that `wanted` accepts: what, and how often. */
+  /** All matches of the pattern's first group in the files that `wanted` accepts, with their numbers. */
   template <class Wanted>
   std::map<std::string, int> countNames(const std::string& pattern, const Wanted& wanted) const {
     const std::regex expression(pattern);
@@ -331,7 +331,7 @@ class LayeringChecker {
   std::vector<std::string> complaints;
 };
 
-/** A tree of its own in a temporary folder; starts out sound. */
+/** Temporary tree without violations. */
 class LayeringCheck : public ::testing::Test {
  protected:
   LayeringCheck() : root(fs::temp_directory_path() / ("recurse-layering-" + std::to_string(getpid()))) {
@@ -360,7 +360,7 @@ class LayeringCheck : public ::testing::Test {
          folder = folder.parent_path())
       std::ofstream(root / folder / "README.md") << "# A folder\n";
   }
-  /** The one complaint; all of them in a line when there are more. */
+  /** The only violation; several are joined. */
   std::string complaint() const {
     std::string all;
     for (const std::string& c : LayeringChecker(root).check()) all += (all.empty() ? "" : " | ") + c;

@@ -1,5 +1,5 @@
 /** @file
- * Sums that are the same bits in any order.
+ * Sums whose bits do not depend on the order.
  */
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ using recurse::LongSum;
 
 namespace {
 
-/** Products of two floats over so many powers of two, with both signs. */
+/** Products of two floats over a range of `powers` powers of two, with both signs. */
 std::vector<double> products(int powers, int count, uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> mantissa(-2, 2);
@@ -25,7 +25,7 @@ std::vector<double> products(int powers, int count, uint32_t seed) {
   return out;
 }
 
-/** Twice what lies below the nearest double, too. */
+/** Nearest double of a sum, and nearest double of the remainder. */
 std::pair<double, double> bothParts(LongSum sum) {
   const double high = sum;
   sum += -high;

@@ -1,5 +1,5 @@
 /** @file
- * Colours: a type of their own, by component.
+ * Colours: a separate type with arithmetic by component.
  */
 #include <type_traits>
 

@@ -1,5 +1,5 @@
 /** @file
- * The sampler: every elementary interval holds one point, and streams are independent.
+ * The sampler: every elementary interval contains one point, and streams are independent.
  */
 #include <gtest/gtest.h>
 #include <set>
@@ -9,7 +9,7 @@
 using namespace recurse;
 
 TEST(Sampler, EveryPairOfDimensionsIsA02Sequence) {
-  // In the first 2^m points each elementary interval of area 2^-m holds exactly one (Sobol' 1967).
+  // Each elementary interval of area 2^-m contains exactly one of the first 2^m points (Sobol' 1967).
   for (uint64_t stream : {1, 2, 77}) {
     for (int m : {4, 8}) {
       for (int skip : {0, 1, 5}) {

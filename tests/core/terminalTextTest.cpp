@@ -1,5 +1,5 @@
 /** @file
- * Text for terminals: what is shown as it is, and what as its bytes.
+ * Text for terminals: characters that are printed unchanged, and characters that are printed as bytes.
  */
 #include <cstdio>
 #include <string>
@@ -34,7 +34,8 @@ TEST(TerminalText, BytesThatAreNotUtf8AreShownAsBytes) {
     EXPECT_EQ(terminalText(bytes), escaped);
     EXPECT_TRUE(hasControlCharacters(bytes)) << escaped;
   };
-  // Overlong: the control character U+009B in three and four bytes, and the least that need one byte less.
+  // Overlong forms: the control character U+009B in three and four bytes, and the smallest characters that
+  // need one byte less.
   for (const char* overlong :
        {"\xc1\x9b", "\xe0\x82\x9b", "\xe0\x9f\xbf", "\xf0\x80\x82\x9b", "\xf0\x8f\xbf\xbf"})
     expectBytes(overlong);
