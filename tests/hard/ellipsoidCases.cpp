@@ -1,6 +1,6 @@
 /** @file
- * 9. Spheres stretched by up to 1:1e4: hit points and normals against the analytic ellipsoid, and no ray that
- * meets the surface it leaves.
+ * 9. Spheres stretched by up to 1:1e4: hit points and normals against the analytic ellipsoid, and rays that
+ * leave the surface without hitting it again.
  */
 #include "hardCase.h"
 
@@ -20,7 +20,7 @@ struct Ellipsoid {
   const char* name;
   Vec3d axes;
   bool turned;
-  double moved; ///< over the longest axis
+  double moved; ///< displacement relative to the longest axis
 };
 
 constexpr const char* TURN = "Rotate 40 .5 1 .3\n";
@@ -61,18 +61,18 @@ void hits(const Report& report, const Ellipsoid& e) {
   double worstPoint = 0, worstNormal = 0, worstDistance = 0;
   int missed = 0, selfHits = 0, lost = 0;
   for (int i = 0; i < COUNT; ++i) {
-    // Towards a random point of the ellipsoid, from a random point outside at up to 10 sizes.
+    // Ray towards a random point of the ellipsoid, from a random point outside at up to 10 times its size.
     const Vec3r target =
         centre + m * Vec3r(uniformSphere({uniform(random), uniform(random)})) * Real(uniform(random));
     const Vec3f from = Vec3f(centre + Vec3r(uniformSphere({uniform(random), uniform(random)})) *
                                           (size * Real(2 + 8 * uniform(random))));
     Ray ray{from, glm::normalize(Vec3f(Vec3r(target) - Vec3r(from))), INFINITE};
-    // Exactly this ray of floats, whatever its rounding.
+    // Intersection for exactly this ray of floats, whatever its rounding.
     const Vec3r o = inverse * (Vec3r(ray.origin) - centre), d = inverse * Vec3r(ray.direction);
     const Real a = glm::dot(d, d), b = glm::dot(o, d);
     const Vec3r nearest = o - d * (b / a);
     const Real discriminant = 1 - glm::dot(nearest, nearest);
-    // Within rounding of a miss, both answers are right.
+    // Within rounding of a miss, both results are correct.
     if (discriminant < Real(1e-10L)) continue;
     const Real t = (-b - std::sqrt(discriminant * a)) / a;
     Hit hit;
@@ -85,11 +85,11 @@ void hits(const Report& report, const Ellipsoid& e) {
     worstPoint =
         std::max(worstPoint, static_cast<double>(glm::length(Vec3r(hit.point.position) - point) / size));
     worstDistance = std::max(worstDistance, static_cast<double>(std::abs(Real(hit.t) - t) / t));
-    // Of two unit vectors, the length of the difference is the angle.
+    // The angle between two unit vectors is approximately the length of their difference.
     worstNormal =
         std::max(worstNormal, static_cast<double>(glm::length(Vec3r(hit.point.geometricNormal) - normal)));
 
-    // Outwards nothing is met; inwards the other side is.
+    // A ray to the outside hits nothing; a ray to the inside hits the far side.
     const Frame frame(hit.point.geometricNormal);
     const Vec3f out = frame.toWorld(cosineHemisphere({uniform(random), uniform(random)}));
     Hit next;
@@ -105,11 +105,11 @@ void hits(const Report& report, const Ellipsoid& e) {
   report.atMost("lost inwards", "-", "of 1e5", lost, 0);
 }
 
-/** In even light a convex body shows its albedo. */
+/** In uniform light a convex body has the radiance of its albedo. */
 void picture(const Report& report, const Ellipsoid& e) {
   const double size = std::max(e.axes.x, std::max(e.axes.y, e.axes.z)), far = e.moved * size;
   const double least = std::min(e.axes.x, std::min(e.axes.y, e.axes.z));
-  // From the side, from above, and through a window as small as the shortest axis.
+  // Cameras at the side, above, and with a window as small as the shortest axis.
   const std::string middle = number(far) + " " + number(-far / 2) + " " + number(far / 3);
   const auto from = [&](double x, double y, double z) {
     return number(far + x * size) + " " + number(-far / 2 + y * size) + " " + number(far / 3 + z * size) +
@@ -119,7 +119,7 @@ void picture(const Report& report, const Ellipsoid& e) {
   budget.samples = 64;
   budget.photonSamples = 8;
   budget.tolerance = 2e-3;
-  // A map of direct light would need its photons much nearer together than the shortest axis.
+  // A map of direct light would need photons at distances much smaller than the shortest axis.
   budget.only = [](const Way& w) { return !w.directPhotons; };
   for (const auto& [detail, eye] :
        {std::pair{"seen along x", from(2, .01, .02)}, std::pair{"seen askew", from(1, 1.5, 1)}})

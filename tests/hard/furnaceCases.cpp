@@ -1,6 +1,6 @@
 /** @file
  * 6. Furnaces of high albedo: inside a closed surface that emits 1 - ρ and reflects ρ the radiance is 1.
- * Walks are about 1 / (1 - ρ) events long, and what a limit on them cut off would be missing.
+ * Walks have about 1 / (1 - ρ) events, and a limit on them would lose light.
  */
 #include "hardCase.h"
 
@@ -19,7 +19,7 @@ void furnace(const Report& report, double albedo, const std::string& name, const
     Budget budget;
     budget.samples = budget.photonSamples = std::max(1, samples / (way.usesPhotons && diffuseLight ? 4 : 1));
     const Rendered r = renderScene(*scene, way, budget);
-    // Eye walks: as measured. Photons: one relative standard deviation for each photon's own walk.
+    // Camera walks: measured. Photons: one relative standard deviation for each photon's own walk.
     const double noise = way.usesPhotons && diffuseLight ? 1 / std::sqrt(photons) : 0;
     report.atMost(name + ", albedo " + shown("%g", albedo), way.label, "relative error",
                   std::abs(r.mean() - 1),
@@ -45,7 +45,7 @@ void addFurnaceCases(HardCases& cases) {
   add(0.9999, 16, 200, false);
   add(0.9999, 64, 2000, true);
   for (const double r : {0.99, 0.999, 0.9999})
-    // From the middle every reflection is perpendicular, where the reflectance is the parameter.
+    // From the centre every reflection is at normal incidence, where the reflectance is the parameter.
     cases.push_back({6, "furnace of mirrors of " + shown("%g", r), false, [r](const Report& report) {
                        const std::string e = number(1 - r);
                        Budget budget;

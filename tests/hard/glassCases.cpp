@@ -1,6 +1,6 @@
 /** @file
- * 4. Refractive indices near 1 and far from it, the critical angle, thin slabs, many shells, eye and lamp
- * inside glass.
+ * 4. Refractive indices near 1 and far from it, the critical angle, thin slabs, many shells, camera and lamp
+ * inside of glass.
  */
 #include "hardCase.h"
 
@@ -8,8 +8,8 @@ namespace recurse::hard {
 
 namespace {
 
-/** Fresnel reflectance of unpolarised light in long double; eta is the index beyond over that on this side.
- */
+/** Fresnel reflectance of unpolarised light in long double; eta is the index of the far side over the index
+ * of the near side. */
 long double reflectance(long double sine, long double cosine, long double eta) {
   const long double s = sine / eta;
   if (s >= 1) return 1;
@@ -28,15 +28,15 @@ Budget clear() {
 }
 
 void indices(const Report& report) {
-  // In even light whatever loses nothing is invisible.
+  // In uniform light objects without absorption are invisible.
   for (const double eta : {1.0, 1 + 1e-6, 1 - 1e-6, 10.0, 0.1}) {
     const std::string name = "eta " + shown("%.7g", eta);
     checkMean(report, name + ", ball in even light",
               view(16, 16, "0 0 3  0 0 0  0 1 0", perspective(45)) + constantLight(1) + glass(eta) +
                   "Shape \"sphere\"\n",
               1, clear());
-    // Through both faces of a slab onto a lamp: T = (1 - R) / (1 + R), all internal reflections summed.
-    // Below the critical angle, which is 0.1 rad for the last.
+    // A lamp through both faces of a slab: T = (1 - R) / (1 + R), the sum of all internal reflections. Below
+    // the critical angle, which is 0.1 rad for the last index.
     const double angle = eta < 0.5 ? 0.05 : 0.5;
     const long double a = static_cast<long double>(angle);
     const long double r = reflectance(std::sin(a), std::cos(a), static_cast<long double>(eta));
@@ -64,18 +64,19 @@ void indices(const Report& report) {
   }
 }
 
-/** From inside glass of index 1.5 towards its flat surface, with even light on both sides. */
+/** View from inside of glass of index 1.5 towards its flat surface, with uniform light on both sides. */
 void critical(const Report& report) {
   const long double eta = 1.5L;
   const long double angle = std::asin(1 / eta);
   for (const double off : {-1e-2, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-2}) {
     const long double a = angle + static_cast<long double>(off);
     const long double r = reflectance(std::sin(a), std::cos(a), 1 / eta);
-    // Radiance that comes in grows by the square of the index.
+    // Radiance that enters the glass is multiplied by the square of the index.
     const auto expected = static_cast<double>(r + (1 - r) * eta * eta);
     Budget budget = clear();
     budget.samples = budget.photonSamples = 64;
-    // The direction is known to 1e-7: just below the critical angle transmission rises like a square root.
+    // The direction has an error of 1e-7: just below the critical angle transmission increases like a square
+    // root.
     budget.tolerance = budget.photonTolerance = std::abs(off) <= 1e-6 ? 0.02 : 1e-3;
     const std::string eye =
         number(double(std::sin(a))) + " 0 " + number(-double(std::cos(a))) + "  0 0 0  0 1 0";
@@ -99,7 +100,7 @@ std::string meshedSquare(double z, int pieces) {
   return "Shape \"trianglemesh\" \"integer indices\" [ " + indices + "] \"point3 P\" [ " + points + "]\n";
 }
 
-/** Two faces through which a lamp is seen; `tilted`: out of the axes. */
+/** Two faces in front of a lamp; `tilted`: at an angle to the axes. */
 void slab(const Report& report, double thickness, double degrees, bool tilted, const std::string& faces,
           const std::string& more = "") {
   const long double a = static_cast<long double>(degrees) * M_PIl / 180;
@@ -107,12 +108,12 @@ void slab(const Report& report, double thickness, double degrees, bool tilted, c
   const std::string tilt = tilted ? "Rotate 33 .3 1 .2\n" : "";
   const std::string lamp = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n" + diffuse(0) +
                            "Translate 0 0 -.5\nShape \"disk\" \"float radius\" 6\nAttributeEnd\n";
-  // The camera is tilted along, so that the angle to the slab stays.
+  // The camera is tilted as well, so that its angle to the slab is the same.
   const std::string eye =
       number(double(std::sin(a))) + " 0 " + number(double(std::cos(a))) + "  0 0 0  0 1 0";
   const std::string head = view(8, 8, eye, orthographic(0.1));
   const size_t lookAt = head.find("LookAt");
-  // Camera space from world space: first the tilt is undone.
+  // Camera space from world space: the tilt is reversed first.
   const std::string camera =
       head.substr(lookAt, head.find('\n', lookAt) - lookAt) + (tilted ? "\nRotate -33 .3 1 .2" : "");
   const std::string turned = head.substr(0, lookAt) + camera + head.substr(head.find('\n', lookAt));
@@ -134,10 +135,9 @@ void thinSlab(const Report& report) {
          ", in small triangles");
 }
 
-/** Shells of glass around each other: at perpendicular incidence n faces let through (1 - R) / (1 + (n - 1)
- * R). */
+/** Concentric shells of glass: at normal incidence n faces transmit (1 - R) / (1 + (n - 1) R). */
 void shells(const Report& report) {
-  constexpr int COUNT = SANITIZED ? 10 : 50; // paths are as long as there are shells, and each is followed
+  constexpr int COUNT = SANITIZED ? 10 : 50; // paths have one event per shell, and each branch is traced
   std::string text;
   for (int i = 0; i < COUNT; ++i) {
     const double outer = 1 + 0.02 * i;
@@ -148,7 +148,7 @@ void shells(const Report& report) {
   const double r = 0.04, n = 2 * COUNT;
   Budget budget = clear();
   budget.samples = 64;
-  budget.photonSamples = 32; // both branches are followed at each of the faces
+  budget.photonSamples = 32; // both branches are traced at each face
   checkMean(report, "even light",
             view(4, 4, "0 0 6  0 0 0  0 1 0", perspective(36)) + constantLight(1) + glass(1.5) + text, 1,
             budget);
@@ -164,19 +164,19 @@ void shells(const Report& report) {
 }
 
 void inside(const Report& report) {
-  // Light from everywhere, seen from inside: radiance over the square of the index stays the same.
+  // Uniform light seen from inside: radiance over the square of the index is constant.
   checkMean(report, "eye in the middle of a glass ball",
             view(16, 16, "0 0 0  0 0 1  0 1 0", perspective(100)) + constantLight(1) + glass(1.5) +
                 "Shape \"sphere\"\n",
             2.25, clear());
-  // From 0.9 of the radius, light is seen where the ray meets the surface below the critical angle,
-  // 0.9 sin a < 1/1.5; the rest is light that never got in, and walks that never get out.
+  // From 0.9 of the radius, light arrives along rays that hit the surface below the critical angle, 0.9 sin a
+  // < 1/1.5; other rays have no light, because their walks never leave the ball.
   checkMean(report, "eye near the surface, outwards",
             view(8, 8, "0 0 .9  0 0 2  0 1 0", orthographic(0.3)) + constantLight(1) + glass(1.5) +
                 "Shape \"sphere\"\n",
             2.25, clear());
   {
-    // Along the surface every walk is caught by total reflection.
+    // Near the surface every walk along it has total reflection.
     const auto scene = sceneFrom(view(4, 4, "0 0 .9  1 0 .9  0 1 0", orthographic(1e-3)) + constantLight(1) +
                                  glass(1.5) + "Shape \"sphere\"\n");
     for (const Way& way : allWays(1000)) {
@@ -185,8 +185,8 @@ void inside(const Report& report) {
                     r.unsound());
     }
   }
-  // A black lamp of radius c in the middle of a ball of radius a seen from outside at a distance b of the ray
-  // from the middle: (1 - R) L / eta² for b < eta c; what is reflected inside comes back to the lamp.
+  // A black lamp of radius c at the centre of a ball of radius a, seen from outside at a distance b of the
+  // ray from the centre: (1 - R) L / eta² for b < eta c; internal reflections return to the lamp.
   const double eta = 1.5, a = 0.5, c = 0.2, d = 1, lamp = 3;
   const std::string ball = "AttributeBegin\n" + diffuse(0) +
                            "AreaLightSource \"diffuse\" \"rgb L\" [ 3 3 3 ]\n" +
@@ -216,8 +216,8 @@ void inside(const Report& report) {
   const std::string below = view(8, 8, "1 0 -.5  0 0 -1  0 0 1", orthographic(0.02));
   checkMean(report, "lamp inside a glass ball, its light on a floor", below + floor + ball,
             0.5 / M_PI * irradiance, wall, true);
-  // A point light in the middle: every ray leaves straight, after any number of reflections, and nothing is
-  // lost.
+  // A point light at the centre: every ray leaves in its first direction, after any number of reflections,
+  // and no light is lost.
   checkMean(report, "point light inside a glass ball",
             below + floor + "LightSource \"point\" \"rgb I\" [ 2 2 2 ]\n" + glass(eta) +
                 "Shape \"sphere\" \"float radius\" .5\n",

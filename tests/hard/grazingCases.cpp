@@ -1,5 +1,5 @@
 /** @file
- * 2. Grazing light and grazing view; a ground sphere of radius 1e6 under objects of size 1; a sphere of
+ * 2. Grazing light and grazing views; a ground sphere of radius 1e6 under objects of size 1; a sphere of
  * radius 1e-4 seen from a distance of 1e4.
  */
 #include "hardCase.h"
@@ -21,19 +21,19 @@ std::string plane(double half) {
 void light(const Report& report, double degrees) {
   const double cosine = std::cos(degrees * DEGREE), sine = std::sin(degrees * DEGREE);
   const std::string scene = view(8, 8, "0 0 1  0 0 0  0 1 0", perspective(30)) + "Rotate 30 1 .3 0\n" +
-                            // The camera looks at the middle of the tilted plane.
+                            // The camera looks at the centre of the tilted plane.
                             "LightSource \"distant\" \"point3 from\" [ " + number(sine) + " 0 " +
                             number(cosine) +
                             " ] \"point3 to\" [ 0 0 0 ] \"rgb L\" [ 1 1 1 ] \"float scale\" " +
                             number(1 / cosine) + "\n" + plane(1);
   Budget budget;
   budget.tolerance = 2e-3;
-  // Hardly a photon would meet the plane.
+  // Very few photons would hit the plane.
   budget.only = [](const Way& w) { return !w.directPhotons; };
   checkMean(report, "light at " + shown("%g", degrees) + " degrees", scene, 0.5 / M_PI, budget);
-  // Photons in a beam: ∫ L dA = ρ Φ / π, however wide the search draws the spot. The picture foreshortens the
-  // plane by cos 30°. A cone as narrow as can be reaches over the horizon at the second angle; what misses
-  // the plane, whose end is seen from the light at a 21st of its elevation, is a segment of the cone's disc.
+  // Photons in a beam: ∫ L dA = ρ Φ / π for any search radius. The picture foreshortens the plane by cos 30°.
+  // Even the narrowest cone reaches beyond the horizon at the second angle; the photons that miss the plane,
+  // whose end the light sees at a 21st of its elevation, are in a segment of the cone's disc.
   const double elevation = 90 - degrees, cone = std::max(elevation / 5, 1e-3);
   const double cut = std::min(1.0, elevation * (1 - 1.0 / 21) / cone);
   const double missed = (std::acos(cut) - cut * std::sqrt(1 - cut * cut)) / M_PI;
@@ -50,7 +50,8 @@ void light(const Report& report, double degrees) {
             0.5 * 3 / M_PI * (1 - missed) * std::sqrt(0.75) / 1600, beam);
 }
 
-/** A plane under even light, seen by a pinhole camera from a distance of 10 at `degrees` from its normal. */
+/** A plane under uniform light, seen by a pinhole camera from a distance of 10 at `degrees` from its
+ * normal. */
 void seen(const Report& report, double degrees, double fov, double half) {
   const double cosine = std::cos(degrees * DEGREE), sine = std::sin(degrees * DEGREE);
   const std::string scene =
@@ -71,21 +72,21 @@ constexpr const char* PLANET =
 void planet(const Report& report) {
   Budget budget;
   budget.tolerance = 2e-3;
-  // The whole picture is one place on the planet for the photons.
+  // For the photons the whole picture is a single point of the planet.
   budget.photons = 1e6;
   budget.photonParameters = "\"integer gatherphotons\" 2000";
   budget.photonTolerance = 0.01 + photonNoise(2000);
-  // A convex body in even light: nothing shades it, and L = ρ L everywhere.
+  // A convex body in uniform light has no shadows: L = ρ L everywhere.
   for (const std::string eye : {"0 1 4", "0 .01 4", "0 100 4000"})
     checkMean(report, "even light, eye at " + eye,
               view(8, 8, eye + "  0 0 0  0 1 0", perspective(.05)) + constantLight(1) + diffuse(0.5) + PLANET,
               0.5, budget);
-  // A black ball of radius 1 whose centre is 2 above the ground hides (1/2)² of the sky's irradiance under
+  // A black ball of radius 1 with its centre 2 above the ground occludes (1/2)² of the sky's irradiance under
   // it.
   Budget sharp = budget;
   sharp.samples = 256;
   sharp.photonSamples = 256;
-  // Photons of the sky spread over the whole planet: none of them could draw the shadow of something of
+  // Photons of the sky are distributed over the whole planet: they cannot resolve the shadow of an object of
   // size 1.
   sharp.only = [](const Way& w) { return !w.directPhotons; };
   checkMean(report, "sky hidden by a ball of radius 1",
@@ -99,7 +100,7 @@ void planet(const Report& report) {
             0.5 / M_PI, budget);
 }
 
-/** A lamp of radius 1e-4: the picture's mean is L times the part of the picture that it covers. */
+/** A lamp of radius 1e-4: the picture's mean is L times the fraction of the picture that it covers. */
 void farAway(const Report& report, const std::string& detail, const std::string& camera,
              const Vec3d& direction, double halfWidth) {
   const Vec3d eye = glm::normalize(direction) * 1e4;
@@ -115,9 +116,9 @@ void farAway(const Report& report, const std::string& detail, const std::string&
   checkMean(report, detail, scene, M_PI * 1e-8 / (4 * halfWidth * halfWidth), budget);
 }
 
-/** The same through a pinhole: a few pixels in the middle of a picture of thousands. */
+/** The lamp through a pinhole: a few pixels in the middle of a picture of thousands. */
 void farAwayPinhole(const Report& report, const std::string& detail, const std::string& eye) {
-  const double half = 1e4 * std::tan(0.0005 * DEGREE); // half the window at the sphere
+  const double half = 1e4 * std::tan(0.0005 * DEGREE); // half width of the window at the sphere
   const int size = 4096;
   const double pixel = 2 * half / size;
   const std::string scene = "Film \"rgb\" \"integer xresolution\" 4096 \"integer yresolution\" 4096 "
@@ -130,7 +131,9 @@ void farAwayPinhole(const Report& report, const std::string& detail, const std::
   budget.samples = budget.photonSamples = 256;
   budget.photons = 1000;
   budget.tolerance = budget.photonTolerance = 0.02;
-  budget.only = [](const Way&) { return true; }; // others follow light paths for all 16.8M pixels of the film
+  budget.only = [](const Way&) {
+    return true;
+  }; // the excluded ways trace light paths for all 16.8M pixels of the film
   checkMean(report, detail, scene, M_PI * 1e-8 / (256 * pixel * pixel), budget);
 }
 

@@ -11,7 +11,8 @@
 
 namespace recurse::hard {
 
-/** Four relative standard errors of a mean that still tells whether light was lost or counted twice. */
+/** Limit of four relative standard errors, with which a mean still shows that light was lost or counted
+ * twice. */
 constexpr double MAX_NOISE = SANITIZED ? INFINITY : 0.4;
 
 void Report::atMost(const std::string& detail, const std::string& integrator, const std::string& figureName,
@@ -35,7 +36,8 @@ bool thorough = false;
 
 namespace {
 
-/** What makes a comparison worthless, or empty: a picture without light, or a bound that one would keep. */
+/** Reason why a comparison would be meaningless: a picture without light, or a bound that a black picture
+ * keeps. Empty: none. */
 std::string saysNothing(double mean, double bound) {
   if (SANITIZED) return {};
   if (!(mean > 0)) return "the picture is black";
@@ -47,17 +49,17 @@ std::string saysNothing(double mean, double bound) {
 template <class Visit> void forIntegrators(const Visit& visit) {
   std::set<std::type_index> seen;
   for (const auto& entry : plugIns().integrators.entries()) {
-    // Other names of an integrator are not other integrators.
+    // Aliases of an integrator are skipped.
     const auto made = testing::integratorFrom(entry.name, "");
     const Integrator& integrator = *made;
     if (!seen.insert(typeid(integrator)).second) continue;
-    // It is there to be read, and has no remedy for what is hard.
+    // It is meant for study, without methods for hard cases.
     if (entry.name != "simplephotonmap") visit(entry, integrator);
   }
 }
 
-/** Of splats a picture does not tell how much is noise, and who leaves out paths does not claim all pictures.
- */
+/** Whether an integrator splats, so that the noise of a picture cannot be measured in it, or omits paths, so
+ * that it does not claim all light. */
 bool isOtherMethod(const Integrator& integrator) {
   return integrator.splats() || !integrator.claims().empty();
 }
@@ -79,7 +81,7 @@ std::vector<Method> otherMethods() {
 std::vector<Way> allWays(double photons, const std::string& more) {
   std::vector<Way> ways;
   forIntegrators([&](const auto& entry, const Integrator& integrator) {
-    // With one map there is nothing to choose.
+    // With one map an integrator that chooses among others has nothing to choose.
     if (isOtherMethod(integrator) || !integrator.choices().empty()) return;
     const auto parameter = [&](const char* name) -> const ParameterSpec* {
       for (const ParameterSpec& p : entry.parameters)
@@ -122,7 +124,7 @@ Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, u
 
 namespace {
 
-/** The means of the light that each method does not claim, by the photon map, which finds all. */
+/** Mean of the light that each method does not claim, by the photon map, which finds all light. */
 std::vector<double> unclaimedLight(const Scene& scene, const std::vector<Method>& methods) {
   std::vector<PathClass> classes;
   for (const Method& m : methods)
@@ -137,11 +139,13 @@ std::vector<double> unclaimedLight(const Scene& scene, const std::vector<Method>
   return means;
 }
 
-/** One row for each: an answer, or the relative error. Noise is told by pictures with seeds of their own. */
+/** Reports one row for each method: a result, or the relative error. The noise is measured from pictures with
+ * different seeds. */
 void checkOtherMethods(const Report& report, const std::string& detail, const Scene& scene, double expected,
                        const Budget& budget) {
   constexpr int PICTURES = 8;
-  constexpr double MOST_NOISE = 5.4; // standard errors by so few pictures, once in 1000
+  constexpr double MOST_NOISE =
+      5.4; // in standard errors estimated from this number of pictures; exceeded once in 1000
   const std::vector<Method> methods = otherMethods();
   const std::vector<double> unclaimed = unclaimedLight(scene, methods);
   for (size_t i = 0; i < methods.size(); ++i) {

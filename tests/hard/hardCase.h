@@ -1,6 +1,6 @@
 /** @file
- * Hard cases: generated scenes whose answer is known in closed form, or robustly by other means. Each case
- * reports rows of the table that scripts/hard prints: a figure, the bound it must not exceed, pass or fail.
+ * Hard cases: generated scenes whose result is known in closed form, or by other robust methods. Each case
+ * reports rows of the table that scripts/hard prints: a figure, its bound, pass or fail.
  */
 #pragma once
 
@@ -22,24 +22,24 @@ using testing::shown;
 using testing::view;
 
 struct Row {
-  std::string what;       ///< the case and what of it
-  std::string integrator; ///< integrator and choice of direct light; "-" where none is involved
+  std::string what;       ///< the case and its detail
+  std::string integrator; ///< integrator and choice of direct light; "-" for none
   std::string figure, bound;
   bool passed = false;
-  std::string reason; ///< of a failure
+  std::string reason; ///< reason of a failure
 };
 
-/** Takes the rows of a case as they are found. */
+/** Receives the rows of a case. */
 class Report {
  public:
   Report(std::string name, std::function<void(const Row&)> send)
       : name(std::move(name)), send(std::move(send)) {}
 
-  /** The figure must be a number and not exceed the bound; under sanitizers, with their few samples, only a
-   * number. */
+  /** Reports a figure, which must be a number below the bound; under sanitizers, which use few samples, only
+   * a number. */
   void atMost(const std::string& detail, const std::string& integrator, const std::string& figureName,
               double figure, double bound, const std::string& problem = {}) const;
-  /** Something that is right or not; `figure` says how it is. */
+  /** Reports whether a property holds; `figure` describes it. */
   void holds(const std::string& detail, const std::string& integrator, const std::string& figure, bool passed,
              const std::string& reason) const;
 
@@ -52,69 +52,64 @@ class Report {
 struct HardCase {
   int group = 0; ///< 1 to 11
   std::string name;
-  bool heavy = false; ///< too long for every test run
+  bool heavy = false; ///< too slow for every test run
   std::function<void(const Report&)> run;
 };
 using HardCases = std::vector<HardCase>;
 
-/** One way of estimating the whole of light transport. */
+/** A way to estimate all light transport. */
 struct Way {
   std::string integrator, parameters;
-  std::string label;          ///< for the table
-  bool usesPhotons = false;   ///< it estimates light from a photon map
-  bool directPhotons = false; ///< direct light too
+  std::string label;          ///< label in the table
+  bool usesPhotons = false;   ///< reads a photon map
+  bool directPhotons = false; ///< reads direct light from the map as well
 };
 
-/** For `--heavy`: four times the samples of a budget, and progressive photon maps too. */
+/** For `--heavy`: four times the samples of a budget, and additional progressive photon maps. */
 extern bool thorough;
 
-/**
- * The integrators of the registry, and each choice that they have for direct light. `more` goes to those that
- * shoot photons; under sanitizers they shoot a 16th.
- */
+/** The integrators of the registry, with each of their choices for direct light. `more` is for integrators
+ * that shoot photons; under sanitizers they shoot a 16th. */
 std::vector<Way> allWays(double photons, const std::string& more = {});
 
-/** The other integrators: those that leave out paths, or suppose something, by their nature, and those whose
- * light paths splat. */
+/** Integrators that omit paths or make assumptions, by definition, and integrators that splat. */
 struct Method {
   Way way;
-  std::string claims, suppositions; ///< as of Integrator
+  std::string claims, suppositions; ///< as in Integrator
 };
 std::vector<Method> otherMethods();
 
-/** What a case may spend, and how near it must come. */
+/** Cost and tolerance of a case. */
 struct Budget {
-  int samples = 64;      ///< a pixel, for ways without photons
-  int photonSamples = 8; ///< a pixel, for ways with photons
+  int samples = 64;      ///< per pixel, for ways without photons
+  int photonSamples = 8; ///< per pixel, for ways with photons
   double photons = 1e5;
-  double tolerance = 1e-3;       ///< relative, beside four standard errors of the picture's own noise
-  double photonTolerance = 0.02; ///< the same where light comes from the map
+  double tolerance = 1e-3;       ///< relative, in addition to four standard errors of the picture's own noise
+  double photonTolerance = 0.02; ///< tolerance for light from the map
   std::string photonParameters;
   std::function<bool(const Way&)> only; ///< empty: every way
 };
-/** Four relative standard deviations of an estimate from so many photons, with the Epanechnikov kernel. */
+/** Four relative standard deviations of an estimate from `found` photons, with the Epanechnikov kernel. */
 inline double photonNoise(double found) { return 4 * std::sqrt(4.0 / 3 / found); }
 
-/** Light reaches the map by surfaces between, not straight from a light: without `directPhotons` none is
- * used. */
+/** Whether the result depends on the map, which has direct light only with `directPhotons`. `indirect`: light
+ * reaches the visible surface by other surfaces. */
 inline bool fromMap(const Way& way, bool indirect) {
   return way.usesPhotons && (indirect || way.directPhotons);
 }
 
 Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1,
                      const PathClasses& classes = PathClasses());
-/** With the budget's samples; sanitizers, which check no means, get a 128th. */
+/** Renders with the samples of the budget; sanitizers, which check no means, use a 128th. */
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed = 1);
 
-/**
- * One row for every way: how far the mean of the picture is from what is expected. `indirect` says that the
- * map holds light that matters even when direct light comes from shadow rays. For `--heavy` the other methods
- * are asked too, and may answer that they do not claim all of the scene's paths.
- */
+/** Reports one row for every way: the relative difference of the picture's mean from the expected value.
+ * `indirect`: the map has relevant light even if direct light comes from shadow rays. `--heavy` includes the
+ * other methods, which may report that they do not claim all paths of the scene. */
 void checkMean(const Report& report, const std::string& detail, const std::string& sceneText, double expected,
                const Budget& budget, bool indirect = false);
 
-/** Half of the window's width. */
+/** `half`: half of the window's width. */
 std::string orthographic(double half);
 std::string diffuse(double albedo);
 std::string glass(double eta);

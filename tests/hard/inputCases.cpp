@@ -1,6 +1,6 @@
 /** @file
- * 10. Inputs at the edge: nothing in the scene, no light, no camera, pictures of odd sizes, numbers that are
- * not finite or hardly so. Each gets the right picture or a clear error.
+ * 10. Extreme inputs: an empty scene, no light, no camera, pictures of odd sizes, numbers that are infinite
+ * or nearly so. Each results in the right picture or a clear error.
  */
 #include "hardCase.h"
 
@@ -25,7 +25,7 @@ const std::string FLOOR =
     diffuse(0.5) + "Shape \"bilinearmesh\" \"point3 P\" [ -9 -9 3  9 -9 3  -9 9 3  9 9 3 ]\n";
 constexpr const char* POINT = "LightSource \"point\" \"rgb I\" [ 1 1 1 ]\n";
 
-/** Every pixel has this radiance, exactly but for rounding and noise. */
+/** Expects this radiance in every pixel, up to rounding and noise. */
 void constant(const Report& report, const std::string& detail, const std::string& text, double expected,
               const Budget& budget = {}) {
   const auto scene = sceneFrom(text);
@@ -58,7 +58,7 @@ void nothing(const Report& report) {
         "\"float radius\" 1e-3 AttributeEnd"})
     constant(report, std::string("no power: ") + std::string(light, std::min<size_t>(std::strlen(light), 44)),
              SMALL + std::string("WorldBegin\n") + light + "\n" + FLOOR, 0, b);
-  // One light of no power beside one that has some.
+  // One light without power beside a light with power.
   constant(report, "no power, beside even light",
            SMALL + std::string("WorldBegin\nLightSource \"point\" \"rgb I\" [ 0 0 0 ]\n") +
                constantLight(0.25),
@@ -105,9 +105,9 @@ void sizes(const Report& report) {
   }
 }
 
-// ---- numbers that are not finite, or hardly so, for every parameter of every plug-in
+// ---- numbers that are infinite or nearly so, for every parameter of every plug-in
 
-/** The parameter with `word` as one of its values, in each type that a file may give it. */
+/** The parameter with `word` as one of its values, in each type that files may give it. */
 std::vector<std::string> spelled(const ParameterSpec& p, const std::string& word) {
   const auto values = [&](int n) {
     std::string s = "[ ";
@@ -143,7 +143,7 @@ std::vector<std::string> spelled(const ParameterSpec& p, const std::string& word
   return {};
 }
 
-/** A scene with this plug-in in it, seen and lit. */
+/** A scene that contains this plug-in, in the view and lit. */
 std::string sceneWith(const std::string& kind, const std::string& name, const std::string& parameters) {
   const std::string use = kind + " \"" + name + "\" " + parameters + "\n";
   const bool before = kind == "Camera" || kind == "PixelFilter" || kind == "Film" || kind == "Sampler" ||
@@ -168,7 +168,7 @@ template <class F> void forEachNumber(const F& f) {
   const auto registry = [&](const auto& r) {
     for (const auto& entry : r.entries())
       for (const ParameterSpec& p : entry.parameters) {
-        // The first example that leaves the parameter open has what else is needed.
+        // The first example without the parameter provides the other required parameters.
         std::string base;
         for (const std::string& e : entry.examples)
           if (e.find(" " + p.name + "\"") == std::string::npos) {
@@ -191,7 +191,7 @@ template <class F> void forEachNumber(const F& f) {
   registry(all.integrators);
 }
 
-/** Whether a message quotes the name of one of the parameters in a scene's text. */
+/** Whether a message contains the name of a parameter in the text. */
 bool namesParameter(const std::string& message, const std::string& parameters) {
   static const std::regex NAME("\"\\w+ (\\w+)\"");
   for (std::sregex_iterator it(parameters.begin(), parameters.end(), NAME), end; it != end; ++it)
@@ -199,7 +199,7 @@ bool namesParameter(const std::string& message, const std::string& parameters) {
   return false;
 }
 
-/** What the reader and the builder say, and then the picture: empty when all is well. */
+/** Problem with the messages of the parser and the builder, or with the picture; empty: none. */
 std::string outcome(const std::string& text, const std::vector<Way>& ways, bool& refused) {
   Diagnostics diagnostics;
   std::unique_ptr<Scene> scene;
@@ -224,9 +224,9 @@ std::string outcome(const std::string& text, const std::vector<Way>& ways, bool&
       const Rendered r = renderScene(*scene, way, 2);
       if (const std::string problem = r.unsound(); !problem.empty()) return way.label + ": " + problem;
     } catch (const SceneError&) {
-      refused = true; // by the integrator
+      refused = true; // refused by the integrator
     } catch (const Error& e) {
-      // What depends on the scene is refused when the integrator prepares for it.
+      // An integrator refuses parameters that depend on the scene in prepare().
       if (!namesParameter(e.what(), way.parameters)) throw;
       refused = true;
     }
@@ -244,7 +244,7 @@ void notFinite(const Report& report) {
         const std::string scene = sceneWith(kind, name, base + " " + text);
         Diagnostics diagnostics;
         const SceneDescription description = parseScene(scene, "hard.pbrt", ".", diagnostics);
-        // The error points at the very word.
+        // The error points at exactly this word.
         const bool right =
             std::any_of(diagnostics.all().begin(), diagnostics.all().end(), [&](const Diagnostic& d) {
               return d.severity == Severity::ERROR && d.location.line > 0 &&
@@ -264,7 +264,8 @@ void notFinite(const Report& report) {
 
 void hardlyFinite(const Report& report) {
   std::vector<Way> ways = allWays(500);
-  // Of two ways with photons one learns where to send them, from far more trials than there are photons.
+  // Only the first way with photons learns guided emission, which takes far more trials than there are
+  // photons.
   for (size_t i = 0, photons = 0; i < ways.size(); ++i)
     if (ways[i].usesPhotons && photons++ > 0) ways[i].parameters += " \"bool guided\" false";
   size_t turn = 0;
@@ -281,7 +282,7 @@ void hardlyFinite(const Report& report) {
         const std::string scene = sceneWith(kind, name, base + " " + text);
         std::string problem;
         if (kind != "Integrator") {
-          // Sanitizers have time for one way at a time: another for each word.
+          // Sanitizers have time for a single way at a time, which changes with each word.
           problem = outcome(scene, SANITIZED ? std::vector<Way>{ways[next++ % ways.size()]} : ways, refused);
         } else {
           problem = outcome(scene, {{name, base + " " + text, name, true, true}}, refused);
@@ -349,7 +350,7 @@ void meshFiles(const Report& report) {
   }
 }
 
-/** Measured materials: a file that is cut short, and numbers that are none. */
+/** Measured materials: a truncated file, and values that are NaN. */
 void measuredFiles(const Report& report) {
   const Folder folder;
   std::ifstream in(RECURSE_SOURCE_DIR "/scenes/materials/copper.bsdf", std::ios::binary);
@@ -378,7 +379,7 @@ void measuredFiles(const Report& report) {
   }
 }
 
-/** Pictures as textures, with a pixel that is no number, or hardly one. */
+/** Pictures as textures, with a pixel that is NaN or nearly infinite. */
 void textureFiles(const Report& report) {
   const Folder folder;
   const std::vector<Way> ways = allWays(500);
@@ -412,7 +413,7 @@ void textureFiles(const Report& report) {
   }
 }
 
-/** A mistake in each of very many shapes must not bury the first ones. */
+/** With one error in each of very many shapes, the first errors must stay visible. */
 void manyErrors(const Report& report) {
   constexpr int COUNT = 20000;
   for (const char* mistake :

@@ -1,6 +1,6 @@
 /** @file
- * Rows of the hard-case table that cannot pass now, and why. The tests expect exactly these to fail: a new
- * failure is noticed, and so is a failure that is gone.
+ * Rows of the hard-case table that are known to fail, with the reason. The tests expect exactly these
+ * failures: a new failure is an error, and so is a failure that no longer occurs.
  */
 #pragma once
 
@@ -12,7 +12,7 @@ namespace recurse::hard {
 
 struct KnownFailure {
   const char* what;
-  const char* integrator; ///< with a star at the end: whatever begins so
+  const char* integrator; ///< with a star at the end: any name with this beginning
   const char* reason;
   bool heavyOnly = false; ///< hidden in the noise of the quick run
 };
@@ -78,7 +78,7 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
     {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "lightpath", BY_POWER, true},
 };
 
-/** The reason when the row is a known failure, else null. */
+/** Reason if the row is a known failure, otherwise null. */
 inline const char* knownFailure(const Row& row) {
   for (const KnownFailure& k : KNOWN_FAILURES) {
     if (k.heavyOnly && !thorough) continue;

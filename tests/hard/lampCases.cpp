@@ -1,6 +1,6 @@
 /** @file
- * 5. Tiny lamps with the power of large ones, a light just above a surface, a hundred thousand lights, one
- * light in ten thousand that matters.
+ * 5. Tiny lamps with the power of large ones, a light just above a surface, a hundred thousand lights, a
+ * single relevant light among ten thousand.
  */
 #include "hardCase.h"
 
@@ -16,8 +16,8 @@ std::string floor(double half) {
          " 0  -" + h + " " + h + " 0  " + h + " " + h + " 0 ]\n";
 }
 
-/** Every lamp of power 10 W at a height of 1 gives this irradiance below, if its light is even in all
- * directions. */
+/** Every lamp of power 10 W at a height of 1 has this irradiance below it, if its radiant intensity is
+ * uniform. */
 constexpr double POWER = 10;
 
 void tiny(const Report& report) {
@@ -25,7 +25,7 @@ void tiny(const Report& report) {
   Budget budget;
   budget.tolerance = 2e-3;
   budget.photons = 4e5;
-  // The disc of the search is seen from the lamp under 1/400 of the sphere.
+  // The search disc covers 1/400 of the sphere of directions from the lamp.
   budget.photonTolerance = 0.01 + photonNoise(1000);
   budget.photonParameters = "\"float radius\" .1";
   const double point = 0.5 / M_PI * POWER / (4 * M_PI);
@@ -33,7 +33,7 @@ void tiny(const Report& report) {
             head + "LightSource \"point\" \"point3 from\" [ 0 0 1 ] \"float power\" 10\n", point, budget);
   for (const double size : {0.1, 1e-5}) {
     const std::string name = " of size " + shown("%g", size);
-    // A Lambertian sphere gives what a point light of its power gives, at any distance.
+    // A Lambertian sphere has the irradiance of a point light of the same power, at any distance.
     checkMean(report, "sphere" + name,
               head +
                   "AreaLightSource \"diffuse\" \"float power\" 10\nTranslate 0 0 1\nShape \"sphere\" \"float "
@@ -50,7 +50,7 @@ void tiny(const Report& report) {
   }
 }
 
-/** The mean of I h / (h² + x² + y²)^1.5 over the square of half width s: 4 I / (2s)² atan(s² / (h sqrt(h² + 2
+/** Mean of I h / (h² + x² + y²)^1.5 over the square of half width s: 4 I / (2s)² atan(s² / (h sqrt(h² + 2
  * s²))). */
 double meanIrradiance(double intensity, double h, double s) {
   return intensity / (s * s) * std::atan(s * s / (h * std::sqrt(h * h + 2 * s * s)));
@@ -61,7 +61,7 @@ void near(const Report& report) {
     const double half = 2 * height;
     Budget budget;
     budget.tolerance = 5e-3;
-    budget.photonTolerance = 0.05; // the picture is many discs wide
+    budget.photonTolerance = 0.05; // the picture is many search discs wide
     budget.photons = 4e5;
     checkMean(report, "point light " + shown("%g", height) + " above a floor",
               view(16, 16, "0 0 1  0 0 0  0 1 0", orthographic(half)) + floor(1) +
@@ -71,7 +71,7 @@ void near(const Report& report) {
   }
 }
 
-/** Lights strewn evenly at a height of 1 over a floor, which is seen in the middle. */
+/** Lights uniformly distributed at a height of 1 over a floor, whose centre is in the view. */
 void many(const Report& report, int count, const std::string& kind) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> place(-4, 4);
@@ -97,13 +97,13 @@ void many(const Report& report, int count, const std::string& kind) {
   budget.photons = 4e5;
   budget.tolerance = 5e-3;
   budget.photonTolerance = 0.05;
-  budget.photonParameters = "\"float radius\" .3"; // thousands of photons
+  budget.photonParameters = "\"float radius\" .3"; // finds thousands of photons
   checkMean(report, shown("%.0f ", count) + kind + " lights",
             view(8, 8, "0 0 .8  0 0 0  0 1 0", perspective(6)) + floor(5) + lights, 0.5 / M_PI * irradiance,
             budget);
 }
 
-/** One light that counts among many that do not: of no power, or as strong but walled off. */
+/** One relevant light among many: the rest have no power, or the same power behind walls. */
 void one(const Report& report, bool walledOff, int samples) {
   constexpr int COUNT = 10000;
   std::string lights;
@@ -114,18 +114,19 @@ void one(const Report& report, bool walledOff, int samples) {
                               std::string(walledOff ? "1" : "1e-9") + " \"point3 from\" [ " + number(x) +
                               " " + number(y) + " .5 ]\n";
   }
-  // A black box around the others.
+  // A black box around all lights but one.
   const std::string box =
       diffuse(0) + "AttributeBegin\nTranslate 3.5 0 .5\nShape \"sphere\" \"float radius\" 2\nAttributeEnd\n";
   Budget budget;
   budget.samples = budget.photonSamples = samples;
-  // Of photons one in 10000 is the lamp's where all others shine too: more of them, in a wider disc.
+  // One photon in 10000 comes from the relevant lamp if all lamps have the same power: more photons, in a
+  // wider disc.
   const double radius = walledOff ? 0.35 : 0.1;
   budget.photons = walledOff ? 2e7 : 1e5;
   budget.photonParameters = "\"float radius\" " + number(radius);
   budget.tolerance = 2e-3;
-  // The disc of the search is seen from the lamp under r²/4 of the sphere; the light falls off by 3/2 r², of
-  // which the kernel takes a third.
+  // The search disc covers r²/4 of the sphere of directions from the lamp; the irradiance decreases by 3/2
+  // r², of which the kernel averages a third.
   budget.photonTolerance =
       0.01 + square(radius) / 2 + photonNoise(budget.photons / (walledOff ? COUNT : 1) * square(radius) / 4);
   checkMean(report, walledOff ? "all but one walled off" : "all but one of a billionth of its power",

@@ -1,6 +1,6 @@
 /** @file
- * Runs the hard cases and prints the table. Each case has a process of its own, so that a crash or a hang is
- * a row like any other.
+ * Runs the hard cases and prints the table. Each case runs in a separate process, so that a crash or a hang
+ * is reported as a row.
  */
 #include <csignal>
 #include <cstdio>
@@ -54,7 +54,8 @@ Row taken(const std::string& line) {
   return {fields[0], fields[1], fields[2], fields[3], fields[4] == "1", fields[5]};
 }
 
-/** Runs the case in a child; `take` gets its rows, and one more when it does not end well. */
+/** Runs the case in a child process; `take` gets its rows, and an additional one if it fails to end
+ * properly. */
 void runApart(const HardCase& hardCase, const std::function<void(const Row&)>& take) {
   int ends[2];
   if (pipe(ends) != 0) {

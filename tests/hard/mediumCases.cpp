@@ -1,6 +1,7 @@
 /** @file
- * 11. Media thin and thick, that absorb all or nothing, scatter in needles, at any scale, with the camera on
- * their boundary, in each other, open, and grids of one cell or bad numbers.
+ * 11. Thin and dense media, with absorption or scattering alone, with peaked phase functions, at any scale,
+ * with the camera on a boundary, nested, without a closed boundary, and grids of one cell or with bad
+ * numbers.
  */
 #include "hardCase.h"
 
@@ -29,7 +30,7 @@ std::string medium(const std::string& absorption, const std::string& scattering,
          scattering + " ] " + more + "\n";
 }
 
-/** Along z through a slab from z = 0 to `size`, from before it, under an even sky. */
+/** View along z through a slab from z = 0 to `size`, from in front of it, under a uniform sky. */
 std::string slab(const std::string& medium, double size, double eye, double width = 20, double window = 1e-3,
                  int pixels = 2) {
   const std::string s = number(size), w = number(width * size);
@@ -41,25 +42,26 @@ std::string slab(const std::string& medium, double size, double eye, double widt
 }
 
 void thickness(const Report& report) {
-  // What emits all that it absorbs hides the sky behind.
+  // A medium that emits as much as it absorbs hides the sky behind it.
   checkMean(report, "optical thickness 10000, glows", slab(medium("1e4", "0", "\"rgb Le\" [ 3 3 3 ]"), 1, -1),
             3, ofPaths(2e-3));
-  // Light is turned back from the first free paths, or not for thousands of events.
+  // Light is reflected within the first free paths, or after thousands of events.
   checkMean(report, "optical thickness 10000, scatters", slab(medium("0", "1e4"), 1, -1, 1, 1, 16), 1,
             ofPaths(2e-2));
   for (const double depth : {1e-6, 1.0, 5.0}) {
     const std::string d = number(depth), name = "optical thickness " + shown("%g", depth);
     Budget budget = ofPaths(2e-3);
-    if (depth > 1) budget.samples *= 8; // one path in 150 comes through
+    if (depth > 1) budget.samples *= 8; // one path in 150 is transmitted
     checkMean(report, name + ", absorbs", slab(medium(d, "0"), 1, -1), std::exp(-depth), budget);
-    // A furnace is of any shape: photons in a wide one would be far apart. All of it is seen, rim and all.
+    // A furnace may have any shape: in a wide one the density of photons would be low. The view includes the
+    // whole rim.
     if (depth <= 1)
       checkMean(report, name + ", scatters", slab(medium("0", d), 1, -1, 1, 1, 16), 1, ofPaths(5e-3));
   }
 }
 
 void needles(const Report& report) {
-  // Of photons hardly any fly along the camera's ray, and those count thousandfold.
+  // Very few photons fly along the camera's ray, and these have weights of thousands.
   Budget budget = ofPaths(5e-3);
   budget.only = [](const Way& way) { return way.integrator == "path"; };
   for (const double g : {-0.99, 0.99})
@@ -74,21 +76,21 @@ void scales(const Report& report) {
 }
 
 void boundary(const Report& report) {
-  // On the boundary, as inside: the file says what the camera stands in.
+  // On the boundary as inside: the file defines the medium of the camera.
   const std::string text = slab(medium("1", "0"), 1, 0);
   checkMean(report, "the camera on a boundary", text, std::exp(-1.0), ofPaths(2e-3));
-  // Turned round it looks out of the medium, whatever the file says.
+  // In the opposite direction the camera looks out of the medium, whatever the file says.
   const std::string out = view(2, 2, "0 0 1  0 0 2  0 1 0", orthographic(1e-3));
   const std::string inside = text.substr(text.find("MakeNamedMedium"));
   checkMean(report, "the camera on a boundary, looking out", out + inside, 1, ofPaths(2e-3));
 }
 
 void overlap(const Report& report) {
-  // Two slabs that touch: the boundary in between is one of each.
+  // Two adjacent slabs: each has its own boundary in the common plane.
   const std::string second = "Shape \"box\" \"point3 p1\" [ -20 -20 1 ] \"point3 p2\" [ 20 20 2 ]\n";
   checkMean(report, "slabs that touch", slab(medium(".5", "0"), 1, -1) + second, std::exp(-1.0),
             ofPaths(2e-3));
-  // Another medium, seen from either end.
+  // A second medium, seen from both ends.
   const std::string other = "MakeNamedMedium \"n\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 1 1 ] "
                             "\"rgb sigma_s\" [ 0 0 0 "
                             "]\nMediumInterface \"n\" \"\"\n";
@@ -109,8 +111,8 @@ void nested(const Report& report) {
                             "\"rgb sigma_a\" [ 1 1 1 ] \"rgb sigma_s\" [ 0 0 0 ]\n" +
                             constantLight(1) + "Material \"interface\"\n";
   const std::string within = media + box("\"m\" \"\"", 0, 1) + box("\"n\" \"m\"", 0.25, 0.75);
-  // The next boundary tells what is before it: nothing, as the second slab says, then the first slab's, then
-  // its.
+  // The next boundary defines the medium in front of it: none by the second slab, then the medium of the
+  // first slab, then of the second.
   const std::string overlapping = media + box("\"m\" \"\"", 0, 1) + box("\"n\" \"\"", 0.5, 1.5);
   for (const bool behind : {false, true}) {
     const std::string eye =
@@ -137,7 +139,7 @@ void openBoundary(const Report& report) {
                built && told == 1, diagnostics.format());
 }
 
-/** The scene is refused with the place in it and with `part` in the message. */
+/** Expects that the scene is refused with the position in it and with `part` in the message. */
 void refused(const Report& report, const std::string& what, const std::string& medium,
              const std::string& part = "") {
   Diagnostics diagnostics;
@@ -180,7 +182,7 @@ void badFiles(const Report& report) {
 }
 
 void oneCell(const Report& report) {
-  // Along its middle the density rises from a half to 1 and falls again.
+  // Along the middle of the cell the density rises from a half to 1 and falls again.
   checkMean(report, "a grid of one cell",
             slab("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [ -20 -20 0 ] \"point3 "
                  "p1\" [ 20 20 1 "

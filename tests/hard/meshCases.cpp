@@ -1,6 +1,7 @@
 /** @file
- * 3. Slivers, triangles without area, duplicates, coplanar surfaces, a plane of a million triangles. In even
- * light of radiance 1 a convex diffuse surface shows its albedo: whatever meets itself is darker.
+ * 3. Slivers, triangles without area, duplicates, coplanar surfaces, a plane of a million triangles. In
+ * uniform light of radiance 1 a convex diffuse surface has the radiance of its albedo: self-intersections
+ * make it darker.
  */
 #include "hardCase.h"
 
@@ -27,7 +28,7 @@ class MeshText {
   int count = 0;
 };
 
-/** Out of the axes, so that no coordinate is exact. */
+/** A rotation, so that no coordinate is exact. */
 constexpr const char* TILT = "Rotate 33 .3 1 .2\n";
 
 Budget even() {
@@ -35,7 +36,7 @@ Budget even() {
   b.samples = 32;
   b.photonSamples = 4;
   b.tolerance = 2e-3;
-  // A thirtieth of the sky's photons come down where the pictures look.
+  // A thirtieth of the sky's photons arrives in the visible region.
   b.photons = 1e6;
   b.photonTolerance = 0.01 + 4 / std::sqrt(b.photons / 30);
   return b;
@@ -67,9 +68,9 @@ void slivers(const Report& report) {
             view(16, 16, "0 0 2  0 0 0  0 1 0", orthographic(0.3)) + constantLight(1) + diffuse(0.5) +
                 "Rotate 20 .3 1 .2\n" + strips(1e-7),
             0.5, even());
-  // One sliver that fills the picture: 1 long, 1e-7 wide.
+  // A single sliver that fills the picture: 1 long, 1e-7 wide.
   Budget cameraOnly = even();
-  // Of all photons of the sky not one meets an area of 5e-8.
+  // No photon of the sky would hit an area of 5e-8.
   cameraOnly.only = [](const Way& w) { return !w.directPhotons; };
   checkMean(report, "one sliver of 1:1e7 from near",
             view(8, 8, "0 0 1  0 0 0  0 1 0",
@@ -77,15 +78,15 @@ void slivers(const Report& report) {
                 constantLight(1) + diffuse(0.5) +
                 "Shape \"trianglemesh\" \"point3 P\" [ -.5 -5e-8 0  .5 0 0  -.5 5e-8 0 ]\n",
             0.5, cameraOnly);
-  // As a lamp.
+  // The sliver as a lamp.
   const double height = 1, power = 3;
   Budget lamp;
-  lamp.tolerance = 0.01; // the lamp is as long as half its distance
+  lamp.tolerance = 0.01; // the lamp's length is half of its distance
   lamp.photons = 4e5;
   lamp.photonTolerance = 0.01 + photonNoise(1000);
   lamp.photonParameters = "\"float radius\" .1";
-  // A line of length a along x, seen from its middle below: Φ/π ∫ h² / (h² + x²)² dx / a over a triangle's
-  // width, which grows from 0 to w along x.
+  // A line of length a along x, seen from below its middle: Φ/π ∫ h² / (h² + x²)² dx / a weighted by the
+  // triangle's width, which grows from 0 to w along x.
   double irradiance = 0;
   constexpr int STEPS = 100000;
   const double length = 0.5;
@@ -104,8 +105,8 @@ void slivers(const Report& report) {
             0.5 / M_PI * irradiance, lamp);
 }
 
-/** A square with triangles of no area strewn in: a point, a line, repeated corners; and every triangle twice.
- */
+/** A square with additional triangles without area: a point, a line, repeated corners; and every triangle
+ * twice. */
 std::string strewn(bool twice) {
   MeshText mesh;
   const int a = mesh.vertex(-0.5, -0.5, 0), b = mesh.vertex(0.5, -0.5, 0), c = mesh.vertex(0.5, 0.5, 0),
@@ -132,8 +133,8 @@ void degenerate(const Report& report) {
                 view(16, 16, "0 0 2  0 0 0  0 1 0", orthographic(0.3)) + constantLight(1) + diffuse(0.5) +
                     tilt + strewn(twice),
                 0.5, even());
-  // A lamp with such triangles in it: the irradiance under the middle of a square (configuration factor of a
-  // rectangle parallel to a small patch, four times that of a corner).
+  // A lamp that contains such triangles: irradiance under the centre of a square (configuration factor of a
+  // rectangle parallel to a small patch, four times the factor for a corner).
   const double x = 0.5, s = std::sqrt(1 + x * x), factor = 4 / (2 * M_PI) * 2 * (x / s * std::atan(x / s));
   Budget lamp;
   lamp.samples = 256;
@@ -148,7 +149,7 @@ void degenerate(const Report& report) {
                 "AreaLightSource \"diffuse\" \"rgb L\" [ 2 2 2 ]\nTranslate 0 0 1\nReverseOrientation\n" +
                 strewn(false),
             0.5 * 2 * factor, lamp);
-  // Nothing but such triangles: emits nothing, hides nothing.
+  // Only such triangles: no emission and no occlusion.
   checkMean(report, "lamp without any area",
             view(8, 8, "0 0 2  0 0 0  0 1 0", orthographic(0.3)) + constantLight(1) + diffuse(0.5) +
                 strewn(false) +
@@ -169,7 +170,7 @@ void coplanar(const Report& report) {
               view(16, 16, "0 0 2  0 0 0  0 1 0", orthographic(0.25)) + constantLight(1) + diffuse(0.5) +
                   tilt + quads,
               0.5, even());
-  // Of different albedo: which one is seen is open, but nothing else may be seen.
+  // With different albedos either surface may be visible, but no other value.
   const auto scene = sceneFrom(view(32, 32, "0 0 2  0 0 0  0 1 0", orthographic(0.25)) + constantLight(1) +
                                TILT + diffuse(0.2) + square + diffuse(0.6) + square);
   for (const Way& way : allWays(even().photons)) {

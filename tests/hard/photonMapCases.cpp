@@ -1,6 +1,6 @@
 /** @file
- * 8. The photon map with none, one, two and very many photons, all of them in one place; radii larger than
- * the scene and smaller than anything; light through thin walls, into corners and over edges.
+ * 8. The photon map with none, one, two and very many photons, all of them at one point; radii larger than
+ * the scene and smaller than any distance; light through thin walls, into corners and over edges.
  */
 #include "hardCase.h"
 
@@ -20,7 +20,7 @@ class NoTextures final : public TextureLookup {
 
 constexpr double ALBEDO = 0.5;
 
-/** What gather() makes of photons around the origin of a floor, towards an eye above. */
+/** Estimate of gather() from photons around the origin of a floor, towards a camera above. */
 double gathered(const std::vector<Photon>& photons, const GatherSettings& settings, float footprint,
                 PhotonIndexKind kind, std::string& problem) {
   Diagnostics diagnostics;
@@ -65,7 +65,8 @@ void few(const Report& report) {
           settings.kernel = kernel;
           settings.nearest = nearest;
           settings.radius = 0.2f;
-          // The closed form: ρ/π Σ Φ K(d). The nearest of two ends the disc, and so counts for nothing.
+          // Closed form: ρ/π Σ Φ K(d). The farther of the two nearest photons is at the end of the disc,
+          // where its weight is zero.
           double expected = 0;
           if (nearest != 1 || n == 0)
             for (const Photon& p : photons)
@@ -80,8 +81,8 @@ void few(const Report& report) {
         }
     }
   }
-  // Pictures from one to three photons: the mean over many of them. A lamp that sends all its light down onto
-  // a floor, of which the picture shows so much that every photon's disc lies in it: ρ Φ / π over its area.
+  // Pictures from one to three photons, averaged over many maps. A lamp sends all its light down onto a
+  // floor; the picture contains the whole disc of every photon: ρ Φ / π over its area.
   constexpr int PICTURES = SANITIZED ? 20 : 400;
   for (const int photons : {1, 2, 3}) {
     const auto scene =
@@ -112,7 +113,8 @@ void oneSpot(const Report& report) {
   const ThreadPool pool;
   for (const size_t count : {size_t(2), size_t(1000), size_t(1000000)})
     for (const PhotonIndexKind kind : {PhotonIndexKind::KDTREE, PhotonIndexKind::FLANN}) {
-      if (kind == PhotonIndexKind::FLANN && count > 1000) continue; // its search is linear there
+      if (kind == PhotonIndexKind::FLANN && count > 1000)
+        continue; // the search of FLANN is linear in this case
       const std::string index = kind == PhotonIndexKind::KDTREE ? "kd-tree" : "flann";
       const std::vector<Photon> photons(count, photonAt(0, 0, 1 / static_cast<float>(count)));
       for (const int nearest : {0, 100}) {
@@ -120,17 +122,17 @@ void oneSpot(const Report& report) {
         settings.kernel = Kernel::CONSTANT;
         settings.nearest = nearest;
         settings.radius = 0.1f;
-        // More photons in the spot than are looked for: the pixel's width, 0.02, is the finest disc.
+        // More photons in the spot than the search asks for: the smallest disc is the pixel's width, 0.02.
         const bool spot = nearest > 0 && count >= size_t(nearest);
         const double expected = ALBEDO / M_PI / (M_PI * (spot ? 1e-4 : 1e-2));
         std::string problem;
         const double got = gathered(photons, settings, 0.02f, kind, problem);
-        // Eight sums of floats, each of an eighth of the photons.
+        // Eight partial sums in floats, with an eighth of the photons each.
         const double drift = 1e-5 + double(count) / 8 * 0x1p-24;
         report.atMost(shown("%.0f photons", double(count)) +
                           (nearest ? ", 100 nearest" : ", all within the radius"),
                       index, "relative error", std::abs(got / expected - 1), drift, problem);
-        // Without a pixel there is no disc: the density is infinite, and must be refused, not put into the
+        // Without a pixel width the disc has no area: the infinite density must be refused, not added to the
         // sum.
         if (!spot) continue;
         problem.clear();
@@ -140,15 +142,15 @@ void oneSpot(const Report& report) {
                      problem);
       }
     }
-  // A needle of light from a spot light that shines into 0.001 degrees: energy is all there is to check. The
-  // floor's mean radiance times the picture's area times π is ρ Φ.
+  // A beam of a spot light with a cone of 0.001 degrees: only energy can be checked. The floor's mean
+  // radiance times the picture's area times π is ρ Φ.
   const auto scene =
       sceneFrom(view(9, 9, "0 0 1  0 0 0  0 1 0", orthographic(0.5)) + diffuse(0.5) +
                 "Shape \"disk\" \"float radius\" 2\n"
                 "LightSource \"spot\" \"float power\" 3 \"point3 from\" [ .01 .01 1 ] \"point3 to\" "
                 "[ .01 .01 0 ] \"float coneangle\" .001 \"float conedeltaangle\" 0\n");
   for (const Way& way : allWays(1e4)) {
-    if (!way.directPhotons) continue; // no ray from the eye would ever meet the lit spot
+    if (!way.directPhotons) continue; // no camera path would hit the lit spot
     const Rendered r = renderScene(*scene, way, 1024);
     report.atMost("needle of light", way.label, "energy off by", std::abs(r.mean() * M_PI / (ALBEDO * 3) - 1),
                   0.01 + 4 * r.standardError() * M_PI / (ALBEDO * 3), r.unsound());
@@ -178,23 +180,22 @@ void radii(const Report& report) {
   budget.photonSamples = 64;
   budget.only = [](const Way& w) { return w.directPhotons; };
   budget.photonTolerance = 0.02;
-  // All photons of the plate, whose flux is 2π (1 - 1/√2), spread over the plate, or over the disc of the
-  // search.
+  // All photons of the plate, whose flux is 2π (1 - 1/√2), spread over the plate, or over the search disc.
   const double spreadOverPlate = ALBEDO / M_PI * 2 * (1 - std::sqrt(0.5));
   const std::string wide = "\"float radius\" 1000 \"string kernel\" \"constant\"";
   budget.photonParameters = wide;
   checkMean(report, "radius of 1000 in a scene of 1", scene, spreadOverPlate, budget);
   budget.photonParameters = wide + " \"bool edges\" false";
   checkMean(report, "radius of 1000 in a scene of 1, blind to edges", scene, spreadOverPlate / 1e6, budget);
-  // A radius below the width of a pixel, 0.01: the disc is that wide, and the picture is right.
+  // A radius below the width of a pixel, 0.01: the disc has the pixel's width, and the picture is right.
   budget.photonParameters = "\"float radius\" 1e-6";
   budget.photonSamples = 256;
-  // About 64 discs of 5 photons each make the picture.
+  // About 64 discs of 5 photons each cover the picture.
   budget.photonTolerance = 0.15;
   checkMean(report, "radius of 1e-6", scene, ALBEDO / M_PI, budget);
 }
 
-/** Two rooms side by side with a wall of thickness 1e-3 between; only the left one has light. */
+/** Two rooms side by side with a wall of thickness 1e-3 between them; only the left one has light. */
 std::string twoRooms(const std::string& lookAt, double half) {
   return view(16, 16, lookAt, orthographic(half)) + diffuse(0.7) +
          // Floor, ceiling, back, front, outer walls
@@ -232,11 +233,9 @@ void walls(const Report& report) {
   }
 }
 
-/**
- * The bias of the density estimate where its disc does not lie in one plane: along a concave corner (light of
- * the other face is left out), and along a convex edge (there is no surface under half of the disc). Truth is
- * the path tracer; the mean is over a strip as wide as the radius on either side.
- */
+/** Bias of the density estimate if its disc is not in one plane: along a concave corner (light of the second
+ * face is left out), and along a convex edge (half of the disc has no surface). The path tracer is the
+ * reference; the mean is over a strip as wide as the radius on either side. */
 void corners(const Report& report) {
   const std::string inner = diffuse(0.7) +
                             "Shape \"bilinearmesh\" \"point3 P\" [ 0 -1 0  1 -1 0  0 1 0  1 1 0 ]\n"

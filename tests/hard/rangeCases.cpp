@@ -1,5 +1,5 @@
 /** @file
- * 7. Radiance from 1e-20 to 1e20 in one picture; a film of a million samples a pixel.
+ * 7. Radiance from 1e-20 to 1e20 in one picture; a film with a million samples per pixel.
  */
 #include "hardCase.h"
 
@@ -8,7 +8,7 @@ namespace recurse::hard {
 namespace {
 
 void decades(const Report& report) {
-  // A column of lamps, one a pixel; no light reaches another lamp's pixel.
+  // A row of lamps, one for each pixel; a lamp's light reaches only its own pixel.
   constexpr int COUNT = 41;
   std::string text =
       "Film \"rgb\" \"integer xresolution\" 41 \"integer yresolution\" 1\nPixelFilter \"box\"\n"
@@ -17,7 +17,7 @@ void decades(const Report& report) {
       diffuse(0);
   const auto radiance = [](int i) { return std::pow(10.0, i - 20); };
   for (int i = 0; i < COUNT; ++i) {
-    // Camera space looks along +z with x to the right: from +z down the world's x runs to the left.
+    // Camera space looks along +z with x to the right: seen from +z the world's x runs to the left.
     const double x = 20 - i;
     text += "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ " + number(radiance(i)) + " " +
             number(radiance(i)) + " " + number(radiance(i)) + " ]\nShape \"bilinearmesh\" \"point3 P\" [ " +
@@ -35,7 +35,7 @@ void decades(const Report& report) {
   }
 }
 
-/** A pair of rooms, each a floor under its own lamp; the other room's lamp is 1e40 times as bright. */
+/** A pair of rooms, each a floor under its own lamp; the lamp of the second room is 1e40 times as bright. */
 void rooms(const Report& report, const std::string& dimLamp, double dimRadiance, const std::string& name) {
   const std::string wall = diffuse(0) + "AttributeBegin\nTranslate 0 0 0\nRotate 90 0 1 0\nShape \"disk\" "
                                         "\"float radius\" 50\nAttributeEnd\n";
@@ -63,7 +63,7 @@ void film(const Report& report) {
     report.atMost(shown("%.0f equal samples of ", double(count)) + shown("%g", double(value)), "-",
                   "relative drift", std::abs(double(film.value(0, 0).r) / double(value) - 1), 1e-7);
   }
-  // Large and small in turn: their mean is half of the large one and of the small one.
+  // Large and small values alternate: the mean is half of their sum.
   Film film({0, 0, 1, 1}, 1);
   const Rgb large(1e5f), small(1e-3f);
   for (uint32_t i = 0; i < count; ++i) film.add(0, i, 1, i % 2 ? &large : &small, i % 2 ? large : small);
@@ -71,8 +71,8 @@ void film(const Report& report) {
                 std::abs(double(film.value(0, 0).r) / ((double(1e5f) + double(1e-3f)) / 2) - 1), 1e-7);
 }
 
-/** The mean over a pixel of light with a known mean, with so many samples that a sum in floats would stand
- * still. */
+/** Mean over a pixel of light with a known mean, with so large a number of samples that a sum in floats would
+ * stop growing. */
 void render(const Report& report, int samples) {
   const auto scene = sceneFrom(view(1, 1, "0 0 1  0 0 0  0 1 0", orthographic(1)) + constantLight(0.1) +
                                glass(1.5) + "Shape \"sphere\" \"float radius\" .5\n");

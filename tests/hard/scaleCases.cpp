@@ -1,5 +1,5 @@
 /** @file
- * 1. The whole scene scaled by 1e-6 to 1e6, and moved by 1e7 times its size: the picture is the same.
+ * 1. The whole scene scaled by 1e-6 to 1e6, and translated by 1e7 times its size: the picture is the same.
  */
 #include "hardCase.h"
 
@@ -37,7 +37,7 @@ void scaled(const Report& report, double scale, double move) {
         "glass and mirror in a box", way.label, "mean differs by", std::abs(b.mean() / a.mean() - 1),
         1e-3 + (way.usesPhotons ? 0.01 : 0) + 4 * std::hypot(a.standardError(), b.standardError()) / a.mean(),
         b.unsound());
-    // The same samples make the same picture, but for paths that rounding sends elsewhere.
+    // Pictures with equal samples are equal, except for paths that rounding changes.
     size_t unlike = 0;
     for (size_t i = 0; i < a.pixels(); ++i)
       unlike += !(std::abs(a.luminanceAt(i) - b.luminanceAt(i)) <= 0.1 * a.luminanceAt(i));
