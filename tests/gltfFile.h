@@ -1,5 +1,5 @@
 /** @file
- * Small glTF files of tests: text with their numbers in one buffer.
+ * Small glTF files of tests: JSON with all numbers in one buffer.
  */
 #pragma once
 
@@ -24,7 +24,7 @@ class GltfFile {
   std::string text(const std::string& members) const {
     return json(members, R"(,"uri":"data:application/octet-stream;base64,)" + base64() + "\"");
   }
-  /** The same as a binary file (.glb). */
+  /** Binary file (.glb) with the same contents. */
   std::string binary(const std::string& members) const {
     std::string first = json(members, "");
     first.resize((first.size() + 3) / 4 * 4, ' ');

@@ -7,7 +7,7 @@
 
 namespace recurse::testing {
 
-/** A room that is lit through a slit in the wall between it and a room with a lamp. */
+/** A room lit through a slit in the wall to a second room with a lamp. */
 inline std::string slitRoom() {
   return view(32, 24, "-1.8 0 0  1 0 0  0 1 0", perspective(70)) + R"(
 Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
@@ -25,9 +25,9 @@ Shape "sphere" "float radius" .2
 }
 
 /** A floor of albedo .5 below a black ceiling at height 1, with a square hole of half width `hole`; 0: no
- * ceiling. Above is a screen of radiance HOLE_RADIANCE, lit from behind. The camera looks at the middle of
- * the floor. No vertex but the floor's first has two kinds of directions: all else is without noise. The film
- * is so small that the floor is one cell of the guide. */
+ * ceiling. Above it is a screen of radiance HOLE_RADIANCE, lit from behind. The camera looks at the middle of
+ * the floor. Only the first vertex on the floor has two kinds of directions; everything beyond it is free of
+ * noise. The film is so small that the floor is one cell of the guide. */
 inline std::string floorBelowHole(double hole, int resolution = 2) {
   const auto slab = [](double x0, double x1, double z0, double z1, double y) {
     const auto corner = [&](double x, double z) {
@@ -49,8 +49,8 @@ inline std::string floorBelowHole(double hole, int resolution = 2) {
 }
 constexpr double HOLE_RADIANCE = 0.8 * 10 / PI_D;
 
-/** Form factor from the middle of the floor to the hole: a rectangle parallel to a small element (Howell,
- * "A Catalog of Radiation Heat Transfer Configuration Factors", B-4), four times. */
+/** Form factor from the middle of the floor to the hole: four times a rectangle parallel to a small element
+ * (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-4). */
 inline double holeFormFactor(double hole) {
   const double a = hole / std::sqrt(1 + hole * hole);
   return 4 / (2 * PI_D) * 2 * a * std::atan(a);

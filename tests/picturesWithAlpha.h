@@ -1,5 +1,5 @@
 /** @file
- * Files of a picture of 2x1 pixels with alpha, 8 bits: (200, 100, 50, 64) and (255, 255, 255, 128).
+ * Picture files of 2x1 pixels with alpha, 8 bits: (200, 100, 50, 64) and (255, 255, 255, 128).
  */
 #pragma once
 

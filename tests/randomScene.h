@@ -1,7 +1,7 @@
 /** @file
- * Small random scenes at the edges of what a scene file allows: every registered plug-in, lamps and photons
- * in one point, shapes without area, thin and nested layers, films of one pixel, tiny and huge scales. The
- * same seed gives the same text with every compiler.
+ * Small random scenes with extreme parameters of scene files: every registered plug-in, lamps and photons at
+ * one point, shapes without area, thin and nested layers, films of one pixel, tiny and huge scales. The text
+ * for a seed does not depend on the compiler.
  */
 #pragma once
 
@@ -16,16 +16,16 @@
 
 namespace recurse::testing {
 
-/** A scene file that names its integrator, and how to render it. */
+/** Scene file that names its integrator, with the settings of its render. */
 struct RandomScene {
   std::string text;
   std::string integrator, parameters; ///< as in the text
   std::vector<PathClass> classes;     ///< none: one layer of all light
   int samplesPerPixel = 1;
-  bool hasPencil = false; ///< light so narrow that its photons may come to one point
+  bool hasPencil = false; ///< light so narrow that all its photons may arrive at one point
 };
 
-/** Writes one scene. */
+/** Writer of one scene. */
 class RandomSceneWriter {
  public:
   explicit RandomSceneWriter(uint64_t seed) : state(mixBits(seed)) {}
@@ -65,7 +65,7 @@ class RandomSceneWriter {
   template <class List> const typename List::value_type& anyOf(const List& list) {
     return list[size_t(below(list.size()))];
   }
-  /** A whole power, by products: libraries of mathematics differ. */
+  /** Power by products, because mathematical libraries differ. */
   double powerOfTen(int low, int high) {
     const int exponent = low + below(size_t(high - low + 1));
     double p = 1;
@@ -75,7 +75,7 @@ class RandomSceneWriter {
 
   // ----------------------------------------------------------------------------------------------- text
 
-  /** Braces evaluate their parts in order, which operands of + do not. */
+  /** Joins texts; braces evaluate their elements in order, unlike operands of +. */
   static std::string joined(std::initializer_list<std::string> parts) {
     std::string text;
     for (const std::string& part : parts) text += part;
@@ -91,7 +91,7 @@ class RandomSceneWriter {
   static std::string attribute(const std::string& inside) {
     return "AttributeBegin\n" + inside + "AttributeEnd\n";
   }
-  /** Now and then more than once, in the very same place. */
+  /** Sometimes repeats the text, at exactly the same position. */
   std::string repeated(const std::string& text) { return chance(0.15) ? text + text + text : text; }
 
   // ----------------------------------------------------------------------------------------- parameters
@@ -100,7 +100,7 @@ class RandomSceneWriter {
     return parameters.find(" " + name + "\"") != std::string::npos;
   }
 
-  /** A value that the declaration allows; empty where the type has none that fits all. */
+  /** A value that the declaration allows; empty if no value of the type is always valid. */
   std::string value(const ParameterSpec& spec) {
     const std::string name = " " + spec.name + "\" ";
     if (spec.count != 1 || spec.ignored) return {};
@@ -109,35 +109,35 @@ class RandomSceneWriter {
     if (spec.type == ParameterType::BOOLEAN) return " \"bool" + name + (chance(0.5) ? "true" : "false");
     if (!spec.choices.empty()) return " \"string" + name + "\"" + anyOf(spec.choices) + "\"";
     if (!isReal || spec.minimum < 0) return {};
-    constexpr double LARGE = 1000; // ranges that reach farther do not say what is usual
+    constexpr double LARGE = 1000; // larger ranges do not show which values are common
     const double low = spec.minimum + (spec.minimumExcluded ? 1e-3 : 0);
     if (spec.maximum > LARGE) return " \"float" + name + digits(low + powerOfTen(-4, 1));
     if (chance(0.5)) return " \"float" + name + digits(uniform(low, spec.maximum));
     return " \"float" + name + digits(chance(0.5) ? low : spec.maximum);
   }
 
-  /** Those of one of the plug-in's examples, and others that it declares. Shapes are not displaced: that is
-   * as much work as pixels are small. */
+  /** Parameters of one of the plug-in's examples, and further declared ones. Shapes have no displacement,
+   * whose work is inversely proportional to the size of pixels. */
   std::string parametersOf(const PlugInInfo& plugIn, double more = 0.07) {
     const auto& specs = plugIn.parameters;
     const bool isShape = std::any_of(specs.begin(), specs.end(),
                                      [](const ParameterSpec& s) { return s.name == "edgelength"; });
     std::string text = anyOf(plugIn.examples);
-    if (gives(text, "filename") && chance(0.8)) text = anyOf(plugIn.examples); // pictures take long to read
+    if (gives(text, "filename") && chance(0.8)) text = anyOf(plugIn.examples); // reading pictures takes long
     for (const ParameterSpec& spec : specs)
       if (!(isShape && (spec.name == "displacement" || spec.name == "edgelength")) && chance(more) &&
           !gives(text, spec.name))
         text += value(spec);
     return text;
   }
-  /** Any that has examples: others need a file. */
+  /** Any plug-in that has examples: all others need a file. */
   template <class I, class C> const PlugIn<I, C>& anyOf(const Registry<I, C>& registry) {
     for (;;) {
       const PlugIn<I, C>& entry = anyOf(registry.entries());
       if (!entry.examples.empty() && !(isSlowToMake(entry.name) && chance(0.8))) return entry;
     }
   }
-  /** Plug-ins whose tables take as long as a hundred small renders. */
+  /** Whether making the plug-in takes as long as a hundred small renders, because of its tables. */
   static bool isSlowToMake(const std::string& name) {
     return name == "realistic" || name == "sky" || name == "goniometric";
   }
@@ -146,7 +146,7 @@ class RandomSceneWriter {
     return joined({registry.kind(), " \"", entry.name, "\" ", parametersOf(entry), "\n"});
   }
 
-  /** Whole numbers stand for work, of which there is to be little. */
+  /** Parameters of an integrator; integers set the amount of work, which must be small. */
   std::string integratorParameters(const PlugInInfo& plugIn) {
     std::string text = parametersOf(plugIn, 0.15);
     for (const ParameterSpec& spec : plugIn.parameters) {
@@ -183,7 +183,7 @@ class RandomSceneWriter {
                    chance(0.5) ? "0.1 1 0.05\n" : "0 0 1\n", use(plugIns().cameras)});
   }
 
-  /** Textures, media, materials and objects of the names that pieces and examples ask for. */
+  /** Textures, media, materials and objects with the names that other parts and examples use. */
   std::string definitions() {
     std::string text;
     for (const auto& [name, type] : {std::pair("grey", "float"), {"colour", "spectrum"}}) {
@@ -232,7 +232,7 @@ class RandomSceneWriter {
     return joined({"MediumInterface \"", side(), "\" \"", chance(0.8) ? std::string() : side(), "\"\n"});
   }
   enum Stretch { STRETCHED, ALIKE };
-  /** Moves, turns and scales; now and then to nearly nothing. */
+  /** Translates, rotates and scales, sometimes to nearly nothing. */
   std::string placed(Stretch stretch = STRETCHED) {
     std::string text = "Translate " + point(1) + "\n";
     if (chance(0.5))
@@ -246,7 +246,7 @@ class RandomSceneWriter {
     return text;
   }
 
-  /** Two triangles of corners that may lie on one line or in one point. */
+  /** Two triangles whose corners may be on one line or at one point. */
   std::string roughTriangles() {
     const double extent = chance(0.2) ? powerOfTen(-12, 3) : 1;
     std::vector<std::string> corners;
@@ -269,8 +269,8 @@ class RandomSceneWriter {
     return use(plugIns().shapes);
   }
 
-  /** A wall in the middle of the view, and light so narrow that its photons come to one point of it; often
-   * out of a glass bulb, by delta lobes. */
+  /** A wall in the middle of the view, and light so narrow that its photons arrive at one point of it; often
+   * through a glass bulb, by delta lobes. */
   std::string pencil() {
     const double distance = powerOfTen(-6, -2);
     std::string from, to;
@@ -291,14 +291,14 @@ class RandomSceneWriter {
                           square(halfSide, 0)}));
     return lamp + (chance(0.8) ? bulb : "") + wall;
   }
-  /** A small piece so far off that the others' coordinates have few digits left: positions coincide. */
+  /** A small object at a distance that makes the coordinates of all objects lose digits: positions coincide. */
   std::string farAway() {
     return attribute(joined({"Translate ", digits(powerOfTen(2, 6)), " 0 0\nShape \"sphere\"\n"}));
   }
 
   std::string lamp() {
     if (chance(0.5)) return attribute(joined({placed(ALIKE), use(plugIns().lights)}));
-    const Stretch stretch = chance(0.1) ? STRETCHED : ALIKE; // points on stretched lamps take long to find
+    const Stretch stretch = chance(0.1) ? STRETCHED : ALIKE; // sampling points on stretched lamps takes long
     return attribute(
         joined({placed(stretch), anyMedia(), anyMaterial(), use(plugIns().areaLights), anyShape()}));
   }
@@ -306,7 +306,7 @@ class RandomSceneWriter {
   std::string piece() {
     const double distance = powerOfTen(-9, 0);
     switch (below(9)) {
-    case 0: // two layers, thin or in one place
+    case 0: // two layers, thin or coincident
       return attribute(joined({placed(), anyMedia(), anyMaterial(), square(1, 0), anyMaterial(),
                                square(1, chance(0.2) ? 0 : distance)}));
     case 1: // a wall with a small hole
@@ -321,14 +321,14 @@ class RandomSceneWriter {
       const std::string instance = "ObjectInstance \"some\"\n";
       return attribute(joined({placed(), instance, chance(0.5) ? placed() : "", instance}));
     }
-    case 4: { // one ball in the other: glass, coats, media
+    case 4: { // nested balls: glass, coats, media
       std::string balls;
       for (int i = 0; i < 2; ++i)
         balls += attribute(joined({anyMedia(), anyMaterial(), "Shape \"sphere\" \"float radius\" ",
                                    digits(i == 0 ? 1 : 1 - 0.9 * distance), "\n"}));
       return attribute(placed() + balls);
     }
-    case 5: // an empty layer, or one of a medium
+    case 5: // an empty layer, or a layer with a medium
       return attribute(joined({placed(), anyMedia(), "Material \"interface\"\n", anyShape()}));
     default:
       return attribute(joined({placed(), anyMedia(), anyMaterial(), anyShape()}));
@@ -336,8 +336,8 @@ class RandomSceneWriter {
   }
 
   uint64_t state;
-  bool rendersMedia = false;    ///< whether the integrator of the scene does
-  double size = 1;              ///< of the scene
+  bool rendersMedia = false;    ///< whether the integrator of the scene supports media
+  double size = 1;              ///< size of the scene
   std::array<double, 3> seen{}; ///< point in the middle of the view, in units of `size`
   std::vector<std::string> media, materials;
 };

@@ -1,5 +1,5 @@
 /** @file
- * Whether the tests run under sanitizers, which slow them down tenfold.
+ * Whether the tests run under sanitizers, which are ten times slower.
  */
 #pragma once
 
@@ -17,7 +17,8 @@ namespace recurse::testing {
 constexpr bool SANITIZED = RECURSE_SANITIZED;
 #undef RECURSE_SANITIZED
 
-/** Sanitizers slow a render down tenfold; bounds that come from measured errors allow for fewer samples. */
+/** Number of samples: an eighth under sanitizers, which are ten times slower; bounds that depend on measured
+ * errors allow for this. */
 inline int samples(int n) { return SANITIZED ? std::max(1, n / 8) : n; }
 
 } // namespace recurse::testing

@@ -1,6 +1,6 @@
 /** @file
- * Small renders for tests and hard cases: a scene as text in, means and errors out. What goes wrong is
- * thrown.
+ * Small renders for tests and hard cases from the text of a scene, with means and errors. Failures are
+ * exceptions.
  */
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace recurse::testing {
 
-/** Throws Error with the diagnostics when the scene is refused. */
+/** Scene of the text; throws Error with the diagnostics if it is refused. */
 inline std::unique_ptr<Scene> sceneFrom(const std::string& text, const std::string& directory = ".") {
   Diagnostics diagnostics;
   const SceneDescription description = parseScene(text, "test.pbrt", directory, diagnostics);
@@ -46,7 +46,7 @@ struct Rendered {
     for (size_t i = 0; i < pixels(); ++i) sum += luminanceAt(i, layer);
     return sum / double(pixels());
   }
-  /** The mean over the picture of each layer: three numbers a layer, red, green and blue. */
+  /** Mean over the picture of each layer: three numbers for each layer, red, green and blue. */
   std::vector<double> layerMeans() const {
     std::vector<double> out(3 * film.layerCount());
     for (size_t layer = 0; layer < film.layerCount(); ++layer)
@@ -55,15 +55,15 @@ struct Rendered {
           out[3 * layer + size_t(c)] += double(value(p, layer)[c]) / double(pixels());
     return out;
   }
-  /** Standard error of mean(), from the variance within pixels: too large rather than too small. */
+  /** Standard error of mean(), from the variance within pixels: an upper estimate. */
   double standardError() const {
     double sum = 0;
     for (size_t i = 0; i < pixels(); ++i)
       sum += film.variance(i) / double(std::max<uint64_t>(1, film.samples(i)));
     return std::sqrt(sum) / double(pixels());
   }
-  /** What must not be: samples or photons that are not finite, pixels that are negative or not finite. Empty:
-   * nothing of the kind. */
+  /** Description of an error: samples or photons that are not finite, pixels that are negative or not finite.
+   * Empty: none. */
   std::string unsound() const {
     if (statistics.counts.nonFinite > 0)
       return std::to_string(statistics.counts.nonFinite) + " contributions were not finite";

@@ -136,7 +136,7 @@ TEST_F(OutputFiles, AConvertedModelDoesNotTakeThePlaceOfItsFiles) {
   for (const auto& entry : std::filesystem::directory_iterator(file("made-files")))
     if (entry.path().extension() == ".ply") meshes.push_back(entry.path().filename().string());
   ASSERT_EQ(meshes.size(), 1u);
-  // Model in the place of the scene: a mesh with the name that its copy would have.
+  // Model instead of a scene: a mesh with the name that its copy would have.
   std::string model;
   for (int i = 0; i < 2 && model.empty(); ++i) {
     ASSERT_EQ(run({"convert", "made-files/" + meshes[0], "-o", "again.pbrt"}).status, 0);

@@ -1,7 +1,7 @@
 /** @file
- * Checks the solutions with openings, and what is given to them. Each line of the input has a command,
- * `check`, `mark` or `lamps`, an exercise, and the numbers of the openings; the answer to each ends with a
- * line of dashes.
+ * Checks the solutions with openings, and the files given to students. Each line of the input has a command,
+ * `check`, `mark` or `lamps`, an exercise, and the numbers of the openings; each output ends with a line of
+ * dashes.
  */
 #include "openings.h"
 
@@ -17,8 +17,8 @@ using namespace course;
 
 namespace {
 
-/** Samples two lamps of different shape, size and radiance: the density of each point is that of a ray that
- * hits it, and the mean of the reciprocal densities is the whole area. Prints both errors. */
+/** Samples two lamps of different shape, size and radiance: the density of each point is equal to the density
+ * of a ray that hits it, and the mean of the inverse densities is the total area. Prints both errors. */
 void checkLamps() {
   Diagnostics diagnostics;
   const SceneDescription description = parseScene(R"(

@@ -1,5 +1,5 @@
 /** @file
- * Switches in the solutions, which courseTest.py puts there.
+ * Switches in the solutions, which courseTest.py inserts.
  */
 #pragma once
 

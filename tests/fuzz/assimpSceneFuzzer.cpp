@@ -1,6 +1,6 @@
 /** @file
- * libFuzzer target: what Assimp may say of a model, with any numbers, names and pictures at all, as a piece
- * of a scene. Faults of Assimp's own do not count here.
+ * libFuzzer target: results of Assimp for a model, with arbitrary numbers, names and pictures, as a part of a
+ * scene. Faults of Assimp itself are excluded.
  */
 #include <bit>
 #include <cstdlib>
@@ -36,7 +36,7 @@ class SceneMaker {
 
  private:
   unsigned below(unsigned count) { return in.ConsumeIntegralInRange(0u, count - 1); }
-  /** Mostly the usual ones, else any bits. */
+  /** Mostly common numbers, otherwise random bits. */
   float number() {
     return in.ConsumeBool() ? float(in.ConsumeIntegral<int8_t>()) / 8
                             : std::bit_cast<float>(in.ConsumeIntegral<uint32_t>());
@@ -260,7 +260,7 @@ class SceneMaker {
   FuzzedDataProvider in;
 };
 
-/** Steps, static weights and nodes without rotation, for names of SceneMaker. */
+/** Steps, static weights and nodes without rotation, for the names of SceneMaker. */
 GltfDetails gltfDetails() {
   GltfDetails details;
   details.animations.resize(1);

@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as a Quake III map.
+ * libFuzzer target: arbitrary bytes as a Quake III map.
  */
 #include "fuzz/fuzzing.h"
 #include "importers/quake3/quake3Bsp.h"

@@ -1,5 +1,5 @@
 /** @file
- * Imports by the fuzzers, and the plug-ins that they read files with.
+ * Imports by the fuzzers, and the plug-ins by which they read files.
  */
 #include "fuzz/fuzzing.h"
 
@@ -52,7 +52,7 @@ void importAnything(const char* importer, const char* parameter, const std::stri
       {"import1:", "import1/"}, diagnostics);
   std::filesystem::remove(name);
   if (!import) {
-    if (!diagnostics.hasErrors()) std::abort(); // why not is to be said
+    if (!diagnostics.hasErrors()) std::abort(); // a failure must have an error message
     return;
   }
   checkImport(*import);

@@ -1,5 +1,5 @@
 /** @file
- * What the fuzzers of files share. Whatever the bytes are, nothing may crash, hang, or throw anything but
+ * Shared functions of the fuzzers of files. For any bytes nothing may crash, hang, or throw anything but
  * Error.
  */
 #pragma once
@@ -18,7 +18,7 @@ inline std::string bytesOf(const uint8_t* data, size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/** A name for the file that this process writes over and over. */
+/** Name of the file that this process overwrites repeatedly. */
 inline std::string scratchFile(const std::string& extension) {
   return (std::filesystem::temp_directory_path() / ("recurse-fuzz-" + std::to_string(::getpid()))).string() +
          extension;
@@ -28,17 +28,17 @@ template <class Read> void readAnything(const Read& read) {
   try {
     read();
   } catch (const Error&) {
-    // promised
+    // expected result
   }
 }
 
 struct SceneImport;
 
-/** Aborts where what an importer wrote is no scene. */
+/** Aborts if the output of an importer is not a scene. */
 void checkImport(const SceneImport& import);
 
-/** Writes a file, imports it by the importer of that name, and checks that it has become a scene or that an
- * error says why not. `more`: further parameters. */
+/** Writes a file, imports it by the importer of that name, and checks that the result is a scene, or else
+ * that an error gives the reason. `more`: further parameters. */
 void importAnything(const char* importer, const char* parameter, const std::string& extension,
                     const std::string& bytes, const std::string& more = {});
 

@@ -1,7 +1,7 @@
 /** @file
- * libFuzzer target: NanoVDB files. An even first byte: the others are a file. An odd one: they say what to
- * change in a good file. Nothing may crash, hang, or throw anything
- * but Error, and what is read stays within the bounds that it says.
+ * libFuzzer target: NanoVDB files. After an even first byte the remaining bytes are a file; after an odd one
+ * they are changes of a good file. Nothing may crash, hang, or throw anything but Error, and values must be
+ * within the stated bounds.
  */
 #include <cstdint>
 #include <cstdlib>
@@ -38,7 +38,7 @@ void read(std::string_view bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
-  // A file may claim a box as large as memory, which is less for a fuzzer.
+  // A file may claim a box as large as memory, which is smaller for a fuzzer.
   static const bool LIMITED = (setMemoryLimit(1.5e9), true);
   (void)LIMITED;
   try {
@@ -47,7 +47,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     else
       read(changedNanoVdb(data + 1, size - 1));
   } catch (const Error&) {
-    // promised
+    // expected result
   }
   return 0;
 }

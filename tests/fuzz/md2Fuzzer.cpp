@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as an MD2 model.
+ * libFuzzer target: arbitrary bytes as an MD2 model.
  */
 #include "fuzz/fuzzing.h"
 #include "importers/md2/md2Model.h"

@@ -1,7 +1,7 @@
 /** @file
- * libFuzzer target: media of grids. The first byte chooses uniformgrid, rgbgrid or nanovdb, the others their
- * numbers or what to change in a good file. What is not refused with the file's name has finite coefficients
- * that are not negative, and no extinction above its bound.
+ * libFuzzer target: media of grids. The first byte chooses uniformgrid, rgbgrid or nanovdb, the remaining
+ * bytes are their numbers or changes of a good file. Media that are not refused with the file's name have
+ * finite coefficients that are not negative, and no extinction above its bound.
  */
 #include <cmath>
 #include <cstdio>
@@ -18,13 +18,13 @@ namespace {
 
 using namespace recurse;
 
-/** Numbers from bytes; zeros when there are no more. */
+/** Numbers from bytes; zeros at the end. */
 class Numbers {
  public:
   Numbers(const uint8_t* data, size_t size) : data(data), left(size) {}
 
   uint8_t byte() { return left == 0 ? 0 : (--left, *data++); }
-  /** Small ones, or what is hard for a reader. */
+  /** Small numbers, or special cases for a reader. */
   double real() {
     static const double HARD[] = {0,    1,    -1,    0.5,  1e-45, 1e-30,  1e-6,   1e6, 1e17, 1e18,
                                   1e20, 3e38, -3e38, 1e39, 1e300, -1e300, 1e-300, 2e3, 4e6};
@@ -42,7 +42,7 @@ class Numbers {
   size_t left;
 };
 
-/** Parameters of a grid of any kind; a bit of `given` for each that may be left out. */
+/** Parameters of a grid of any kind; each bit of `given` includes an optional one. */
 std::string gridParameters(bool isRgb, Numbers& numbers) {
   const unsigned given = numbers.byte() | unsigned(numbers.byte()) << 8;
   const int sizes[] = {numbers.byte() % 4 + 1, numbers.byte() % 4 + 1, numbers.byte() % 4 + 1};
@@ -77,7 +77,7 @@ bool isCoefficient(const Rgb& c) {
   return c.r >= 0 && c.g >= 0 && c.b >= 0 && c.r < INFINITE && c.g < INFINITE && c.b < INFINITE;
 }
 
-/** Flies through the medium's box from corner to corner and along its axes. */
+/** Traverses the medium's box from corner to corner and along its axes. */
 void check(const Medium& medium) {
   const Bounds3f box = medium.bounds();
   const Vec3f size = box.upper - box.lower;
@@ -110,7 +110,7 @@ void make(const char* kind, const std::string& parameters, const std::string& fi
   if (medium)
     check(*medium);
   else if (!diagnostics.hasErrors() || diagnostics.format().find(file) == std::string::npos)
-    std::abort(); // why not is to be said, and of which file
+    std::abort(); // the error must name the file
 }
 
 void makeFromFile(const std::string& bytes) {
@@ -123,7 +123,7 @@ void makeFromFile(const std::string& bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
-  // A file may claim a box as large as memory, which is less for a fuzzer.
+  // A file may claim a box as large as memory, which is smaller for a fuzzer.
   static const bool LIMITED = (setMemoryLimit(1.5e9), true);
   (void)LIMITED;
   Numbers numbers(data + 1, size - 1);

@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as a model that Assimp reads; the first byte chooses the kind, and
+ * libFuzzer target: arbitrary bytes as a model that Assimp reads; the first byte chooses the format, and
  * whether the model has a pose.
  */
 #include "fuzz/fuzzing.h"

@@ -1,6 +1,6 @@
 /** @file
- * NanoVDB files from a fuzzer's bytes: a good file is too large to be found by chance, so that bytes say what
- * to change in one.
+ * NanoVDB files from a fuzzer's bytes: a valid file is too large to be found at random, so the bytes are
+ * changes of one.
  */
 #pragma once
 
@@ -25,7 +25,7 @@ inline const std::string& goodNanoVdb() {
   return FILE;
 }
 
-/** Bytes of the good file that say something: all but the tables of inner nodes, which are nearly empty. */
+/** Relevant bytes of the good file: all but the tables of inner nodes, which are nearly empty. */
 inline const std::vector<size_t>& tellingPlaces() {
   static const std::vector<size_t> PLACES = [] {
     std::vector<size_t> list;
@@ -36,7 +36,7 @@ inline const std::vector<size_t>& tellingPlaces() {
   return PLACES;
 }
 
-/** The good file with a change for every twelve bytes; where there are some left over, its beginning. */
+/** The good file with one change for every twelve bytes; remaining bytes truncate it. */
 inline std::string changedNanoVdb(const uint8_t* data, size_t size) {
   std::string bytes = goodNanoVdb();
   struct Change {

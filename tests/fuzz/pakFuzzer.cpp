@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as an archive with a Quake III map.
+ * libFuzzer target: arbitrary bytes as an archive with a Quake III map.
  */
 #include <fstream>
 

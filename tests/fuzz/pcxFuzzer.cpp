@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as a PCX picture.
+ * libFuzzer target: arbitrary bytes as a PCX picture.
  */
 #include "core/image/pcx.h"
 #include "fuzz/fuzzing.h"

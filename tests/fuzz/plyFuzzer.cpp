@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as a PLY mesh.
+ * libFuzzer target: arbitrary bytes as a PLY mesh.
  */
 #include "fuzz/fuzzing.h"
 #include "recurse/model/scene/plugIns.h"
@@ -11,6 +11,6 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
       MemoryFiles{{"mesh.ply", std::make_shared<const std::string>(bytesOf(data, size))}});
   Diagnostics diagnostics;
   if (!plugIns().shapes.make(shape, ShapeContext{}, diagnostics) && !diagnostics.hasErrors())
-    std::abort(); // why not is to be said
+    std::abort(); // a failure must have an error message
   return 0;
 }

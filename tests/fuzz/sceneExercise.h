@@ -1,6 +1,6 @@
 /** @file
- * What the fuzzer and the test over its corpus do with a text: read it as a scene, and bind what it contains
- * to parameter declarations of every type.
+ * Exercise of a text for the fuzzer and for the test of its corpus: reads it as a scene, and binds its
+ * contents to parameter declarations of every type.
  */
 #pragma once
 
@@ -42,7 +42,7 @@ inline void exerciseDirective(const ParsedDirective& directive) {
     try {
       read();
     } catch (const SceneError&) {
-      // promised
+      // expected result
     }
   };
   attempt([&] { p.texture("radius").empty() ? p.real("radius") : 0.0; });
@@ -65,7 +65,7 @@ inline void exerciseScene(const std::string& text, const std::string& directory)
   diagnostics.format();
   for (const ParsedDirective* d : {&scene.film, &scene.camera, &scene.integrator})
     if (d->given()) exerciseDirective(*d);
-  // A few of each kind: more would only make the fuzzer slow.
+  // A few of each kind, because more would slow the fuzzer down.
   constexpr size_t MAX_COUNT = 4;
   for (size_t i = 0; i < std::min(MAX_COUNT, scene.shapes.size()); ++i)
     exerciseDirective(scene.shapes[i].shape);

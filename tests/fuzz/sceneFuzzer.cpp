@@ -1,6 +1,6 @@
 /** @file
- * libFuzzer target: any text at all as a scene file, and then as parameters of plug-ins. Nothing may crash,
- * hang, or throw anything but the errors that the interfaces promise.
+ * libFuzzer target: arbitrary text as a scene file, and then as parameters of plug-ins. Nothing may crash,
+ * hang, or throw anything but the errors of the interfaces.
  */
 #include <cstdlib>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace {
 
-/** A directory of its own without any files, so that a name in the input finds nothing by chance. */
+/** An empty working directory, so that names in the input do not match files. */
 struct EmptyDirectory {
   EmptyDirectory() {
     char name[] = "/tmp/recurse-fuzz-XXXXXX";

@@ -1,5 +1,5 @@
 /** @file
- * Writes a good file of each kind for the fuzzers to start from.
+ * Writes a valid file of each kind as a start for the fuzzers.
  */
 #include <cstdio>
 #include <filesystem>
@@ -51,7 +51,7 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/** A triangle that a joint holds and steps move. */
+/** A triangle with a joint and step keyframes. */
 std::string movingModel() {
   GltfFile f;
   f.floats("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
@@ -67,7 +67,7 @@ std::string movingModel() {
       R"("target":{"node":1,"path":"translation"}}],"samplers":[{"interpolation":"STEP","input":4,"output":5}]}])");
 }
 
-/** A cube in each kind that Assimp writes, each with the first byte that chooses the kind. */
+/** A cube in each format that Assimp writes, each with the first byte that chooses the format. */
 void writeModels(const std::filesystem::path& folder) {
   write(folder / "obj", char(0) + CUBE);
   write(folder / "off", char(7) + std::string("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));

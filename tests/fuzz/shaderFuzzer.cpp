@@ -1,5 +1,5 @@
 /** @file
- * libFuzzer target: any bytes at all as a shader script of Quake III.
+ * libFuzzer target: arbitrary bytes as a shader script of Quake III.
  */
 #include <vector>
 

@@ -1,5 +1,5 @@
 /** @file
- * Bloom against the integral of the published glare and a convolution done directly.
+ * Bloom against the integral of the published glare and against direct convolution.
  */
 #include <gtest/gtest.h>
 
@@ -62,11 +62,12 @@ TEST(Bloom, UniformPictureStaysAndAmountZeroIsNothing) {
 
 TEST(Bloom, IsTheConvolutionWithTheGlareOfAMirroredPicture) {
   constexpr int N = 24;
-  constexpr double DEGREES = 12; // half a degree a pixel
+  constexpr double DEGREES = 12; // half a degree per pixel
   Image lamp(N, N, {"R", "G", "B"});
   lamp.at(5, 9)[1] = 1e4f;
   lamp.at(20, 3)[1] = 2e4f;
-  const auto glareOfPixel = [](int x, int y) { // the mean over a pixel, finer where it is steep
+  const auto glareOfPixel = [](int x,
+                               int y) { // mean over a pixel, with more points where the function is steep
     const int parts = x == 0 && y == 0 ? 200 : 20;
     double sum = 0;
     for (int j = 0; j < parts; ++j)

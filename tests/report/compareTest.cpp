@@ -1,5 +1,5 @@
 /** @file
- * Error measures against values worked out by hand, and the noise-free ones against known noise.
+ * Error measures against values computed by hand, and noise-free measures with known noise.
  */
 #include <gtest/gtest.h>
 
@@ -73,8 +73,8 @@ TEST(Compare, TrimmingTakesTheWorstThousandth) {
 }
 
 TEST(Compare, NoiseFreeErrorForgetsTheReferencesNoise) {
-  // The picture is off by 0.05 and has noise of 0.1: its squared error is 0.0125. The references' noise is
-  // larger than that, and counts fully in the plain error.
+  // The picture has a bias of 0.05 and noise of 0.1: its squared error is 0.0125. The references have more
+  // noise, which the plain error includes.
   const Image truth = constant(300, 300, Rgb(0.5f, 1, 2));
   const Image x = noisy(constant(300, 300, Rgb(0.55f, 1.05f, 2.05f)), 0.1, 1);
   const Image a = noisy(truth, 0.2, 2), b = noisy(truth, 0.2, 3);
@@ -87,7 +87,7 @@ TEST(Compare, NoiseFreeErrorForgetsTheReferencesNoise) {
   }
   const Comparison plain = compareImages(x, a);
   EXPECT_NEAR(plain.mse[ALL_CHANNELS], 0.0125 + 0.04, 0.001);
-  // Without a third picture r is the mean of the two, whose noise stays in the denominator; the products do
+  // Without a third picture r is the mean of the two, whose noise remains in the denominator; the products do
   // not depend on it.
   const Comparison mean = compareImages(x, a, b);
   EXPECT_DOUBLE_EQ(mean.mseNoiseFree[0], c.mseNoiseFree[0]);
@@ -183,7 +183,7 @@ TEST(Compare, EveryRelativeErrorSaysHowItIsMade) {
 
 TEST(Compare, ErrorMaps) {
   float last = -1;
-  for (int i = 0; i <= 100; ++i) { // brighter from step to step, inside the gamut
+  for (int i = 0; i <= 100; ++i) { // increasing luminance, inside the gamut
     const Rgb c = falseColour(float(i) / 100);
     EXPECT_GT(luminance(c), last) << i;
     last = luminance(c);
@@ -211,7 +211,7 @@ TEST(ErrorByScale, IndependentNoiseFallsToAQuarterAndAStainStays) {
   const ByScale noise = compareImages(noisy(truth, 0.1, 3), a, b).relMseNoiseFreeByScale;
   for (size_t i = 1; i < 4; ++i) EXPECT_NEAR(noise[i - 1] / noise[i], 4, 0.8) << i;
   EXPECT_NEAR(noise[0], 0.01 / 0.26, 0.1 * 0.01 / 0.26);
-  Image stained = truth; // squares of 32 pixels, a tenth too bright or too dark in turn
+  Image stained = truth; // squares of 32 pixels, alternately a tenth too bright and too dark
   for (int y = 0; y < truth.height; ++y)
     for (int x = 0; x < truth.width; ++x)
       for (int c = 0; c < 3; ++c) stained.at(x, y)[c] *= (x / 32 + y / 32) % 2 ? 1.1f : 0.9f;
@@ -227,7 +227,7 @@ TEST(ErrorByScale, NoiseOfTheReferenceDoesNotWeighDarkPixelsUp) {
   const Comparison c = compareImages(constant(64, 64, {0.3f, 0.3f, 0.3f}), a, b);
   EXPECT_NEAR(c.relMseNoiseFreeByScale[0], known, 0.08 * known);
   EXPECT_NEAR(c.relMseNoiseFreeByScale[3], known, 0.08 * known);
-  EXPECT_GT(c.relMseNoiseFree[ALL_CHANNELS], 1.1 * known); // as it is without smoothing
+  EXPECT_GT(c.relMseNoiseFree[ALL_CHANNELS], 1.1 * known); // value without smoothing
   EXPECT_EQ(metricByName(c, "relmse_noise_free_at_8"), c.relMseNoiseFreeByScale[3]);
   EXPECT_NE(comparisonTable(c).find("8x8"), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(comparisonJson(c))["relmse_noise_free_at_8"], c.relMseNoiseFreeByScale[3]);
@@ -235,7 +235,7 @@ TEST(ErrorByScale, NoiseOfTheReferenceDoesNotWeighDarkPixelsUp) {
 
 namespace {
 
-/** Stills of two classes of paths, and what both bring together. */
+/** Stills of two classes of paths, and their sum. */
 Image twoClasses(const Image& direct, const Image& caustic, const std::string& causticExpression = "LS+DE") {
   Image stills(direct.width, direct.height,
                {"R", "G", "B", "direct.R", "direct.G", "direct.B", "caustic.R", "caustic.G", "caustic.B"});

@@ -24,7 +24,7 @@ Image constant(int width, int height, float value) {
   return image;
 }
 
-/** Two references around 1 with noise. */
+/** Two noisy references around 1. */
 References noisyReferences(int width, int height, unsigned seed) {
   const Image truth = constant(width, height, 1);
   return makeReferences({truth, noisy(truth, 0.2, seed), noisy(truth, 0.2, seed + 1)}, {"r", "a", "b"});
@@ -72,7 +72,7 @@ class StudyFolder : public testing::Test {
 } // namespace
 
 TEST(Converge, VarianceAndBiasOfKnownNoise) {
-  // Pictures are 0.1 too bright with noise of deviation 0.3; the references' noise must not matter.
+  // Pictures are 0.1 too bright with noise of deviation 0.3; the references' noise must have no effect.
   constexpr int WIDTH = 128, HEIGHT = 96;
   const References references = noisyReferences(WIDTH, HEIGHT, 100);
   std::vector<Image> pictures;
@@ -85,7 +85,7 @@ TEST(Converge, VarianceAndBiasOfKnownNoise) {
   EXPECT_NEAR(split.relBias2.value, 0.01 / 1.01, 0.001);
   EXPECT_LT(split.bias2.low, 0.01);
   EXPECT_GT(split.bias2.high, 0.01);
-  // By definition the two make up the error, averaged over the seeds.
+  // Variance and squared bias add up to the error by definition, averaged over the seeds.
   double error = 0;
   for (const Image& picture : pictures) error += measureCell(picture, references).mseNoiseFree / 4;
   EXPECT_NEAR(split.variance.value + split.bias2.value, error, 1e-9);
@@ -102,7 +102,7 @@ TEST(Converge, IntervalsHoldTheTruthAsOftenAsTheySay) {
       std::vector<Image> pictures;
       for (unsigned seed = 0; seed < 2; ++seed) {
         Image picture = noisy(constant(SIZE, SIZE, 1.05f), 0.2, 5000 + 2 * trial + seed);
-        if (blotchy) // neighbours share their error
+        if (blotchy) // neighbours have a common error
           for (int y = 0; y < SIZE; ++y)
             for (int x = 0; x < SIZE; ++x)
               for (int c = 0; c < 3; ++c) picture.at(x, y)[c] = picture.at(x / 3 * 3, y / 3 * 3)[c];
@@ -114,7 +114,7 @@ TEST(Converge, IntervalsHoldTheTruthAsOftenAsTheySay) {
     held += holds(false);
     heldBlotchy += holds(true);
   }
-  // 190 of 200 are expected; 180 or less happen once in 500 times.
+  // The expectation is 190 of 200; 180 or less occur once in 500 times.
   EXPECT_GE(held, 180);
   EXPECT_LT(held, TRIALS);
   EXPECT_GE(heldBlotchy, 175);
@@ -293,7 +293,7 @@ TEST_F(StudyFolder, ReportOfAStudy) {
 
 TEST_F(StudyFolder, OneReferenceAndErrorsBelowZero) {
   Study study = smallStudy();
-  study.cells[0].relMse = study.cells[2].relMse = -1; // drawn nowhere, and no reason to fail
+  study.cells[0].relMse = study.cells[2].relMse = -1; // not drawn, and not an error
   const References references = makeReferences({constant(8, 8, 1)}, {"r.exr"});
   for (const ConvergeCell& cell : study.cells)
     writeImage(folder + "/" + cellPictureName(cell.run, cell.budget, cell.seed), constant(8, 8, 1));

@@ -1,6 +1,6 @@
 /** @file
- * Developing: exposure of pictures that are dark, bright, mostly black or with lamps in them; white balance,
- * encodings, dither.
+ * Developing: exposure of dark, bright and mostly black pictures, and of pictures with lamps in them; white
+ * balance, encodings, dither.
  */
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ Image filled(int width, int height, const std::function<Rgb(int, int)>& colour) 
   return image;
 }
 
-/** A picture whose luminance is evenly spread over two stops around `middle`. */
+/** A picture whose luminance is uniformly distributed over two stops around `middle`. */
 Image shades(float middle, float scale = 1) {
   return filled(60, 40, [&](int x, int y) {
     return Rgb(scale * middle * std::exp2(2 * (float((x * 7 + y * 13) % 60) + 0.5f) / 60 - 1));
@@ -51,7 +51,7 @@ std::shared_ptr<const ToneMap> toneMap(const std::string& name) {
   return plugIns().toneMaps.make(parseParameterText(name, ""), NoContext{}, diagnostics);
 }
 
-/** As it is for the display, without encoding. */
+/** Picture for the display, without encoding. */
 Image shownBy(const std::string& name, const Image& light) {
   DevelopSettings settings = plain();
   settings.toneMap = toneMap(name);
@@ -59,14 +59,14 @@ Image shownBy(const std::string& name, const Image& light) {
   return develop(light, settings).picture;
 }
 
-/** By the operator alone. */
+/** Picture by the tone operator alone. */
 Image byOperator(const std::string& name, Image light) {
   toneMap(name)->apply(light);
   for (float& v : light.pixels) v = std::min(v, 1.0f);
   return light;
 }
 
-/** A nearly upright edge, `bright` on the left; each pixel the mean over its area. */
+/** A nearly vertical edge, `bright` on the left; each pixel is the mean over its area. */
 Image slantedEdge(float bright, float dark) {
   return filled(96, 96, [&](int x, int y) {
     float covered = 0;
@@ -76,7 +76,7 @@ Image slantedEdge(float bright, float dark) {
   });
 }
 
-/** How far the places of a slanted edge, row by row, are from a line: standard deviation [pixels]. */
+/** Standard deviation of a slanted edge's positions in the rows from a line [pixels]. */
 double staircase(const Image& picture) {
   const int n = picture.height;
   const double bright = double(picture.rgb(2, n / 2).g), dark = double(picture.rgb(n - 3, n / 2).g);
@@ -103,13 +103,13 @@ TEST(BrightEdges, OfLampsAreAsSmoothAsThoseOfPaper) {
     for (const float lamp : {2.0f, 20.0f, 100.0f, 1e4f})
       EXPECT_LT(staircase(shownBy(entry.name, slantedEdge(lamp, 0.1f))), 0.03) << entry.name << " " << lamp;
   }
-  // Paper beside the lamp that itself is brighter than white.
+  // Paper beside the lamp, itself brighter than white.
   EXPECT_LT(staircase(shownBy("filmic", slantedEdge(60, 1.1f))), 0.03);
   EXPECT_GT(staircase(byOperator("filmic", slantedEdge(100, 0.1f))), 0.15) << "the measure sees nothing";
 }
 
 TEST(BrightEdges, OfNarrowLampsAreSmoothToo) {
-  // A tube, nearly upright, on paper: the sum of each row of the picture is to be the same.
+  // A nearly vertical tube on paper: the sums of all rows of the picture must be equal.
   const auto tube = [](float width, float bright, float paper) {
     return filled(48, 96, [&](int x, int y) {
       float covered = 0;
@@ -142,7 +142,7 @@ TEST(BrightEdges, OfNarrowLampsAreSmoothToo) {
 }
 
 TEST(BrightEdges, GlareFallsFromALampOnwards) {
-  // A round lamp; each pixel the mean over its area.
+  // A round lamp; each pixel is the mean over its area.
   const Image lamp = filled(49, 49, [](int x, int y) {
     float covered = 0;
     for (int i = 0; i < 64; ++i)
@@ -167,7 +167,7 @@ TEST(BrightEdges, GlareFallsFromALampOnwards) {
             EXPECT_EQ(shown.rgb(x, y).g, glaring.rgb(x, y).g) << place;
             continue;
           }
-          // No pixel of the edge is darker than those further out.
+          // No pixel of the edge is darker than a pixel farther out.
           const int outwards = x > 24 ? x + 1 : x - 1;
           EXPECT_GE(shown.rgb(x, y).g, std::min(shown.rgb(outwards, y).g, shown.rgb(24, 24).g)) << place;
         }
@@ -202,7 +202,7 @@ TEST(BrightEdges, NothingElseChanges) {
   unchanged(filled(100, 8, [](int x, int) { return Rgb(0.01f * std::pow(1.1f, float(x))); }), 0.01f);
   unchanged(filled(64, 64, [](int x, int y) { return Rgb((x * 37 + y * 61) % 89 == 0 ? 60 : 0.2f); }), 1e-6f);
   unchanged(slantedEdge(0.9f, 0.05f), 1e-6f);
-  // A steep slope up to a lamp; and bright noise beside the dark.
+  // A steep slope up to a lamp; and bright noise beside dark pixels.
   unchanged(
       filled(40, 16, [](int x, int) { return Rgb(std::min(100.0f, 0.01f * std::pow(1.6f, float(x)))); }),
       1e-6f);
@@ -228,7 +228,7 @@ TEST(Metering, LampsBlackAndBrokenPixelsDoNotCount) {
     for (int y = 2; y < 14; ++y) // four pixels in a hundred
       for (int c = 0; c < 3; ++c) lamp.at(x, y)[c] = 1e5f;
   EXPECT_NEAR(meteredStops(lamp), stops, 0.35);
-  // The same thing small in a black picture.
+  // The object in small size in a black picture.
   const Image thing = shades(0.05f);
   const Image mostlyBlack =
       filled(240, 160, [&](int x, int y) { return x < 60 && y < 40 ? thing.rgb(x, y) : BLACK; });
@@ -241,7 +241,7 @@ TEST(Metering, LampsBlackAndBrokenPixelsDoNotCount) {
 }
 
 TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
-  // A patch of a twentieth of the picture, and ten stops below it the room.
+  // A patch of a twentieth of the picture, and the room ten stops below it.
   const Image patch = filled(100, 100, [](int x, int y) { return Rgb(x < 25 && y < 24 ? 1.0f : 1e-3f); });
   const double shown = std::exp2(meteredStops(patch));
   EXPECT_LT(shown, 4) << "over the white of the filmic curve";
@@ -249,7 +249,7 @@ TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
 }
 
 TEST(Metering, NoiseDoesNotCount) {
-  // Light that one path in `rarity` finds, over three stops of shade, in a black frame, with a lamp.
+  // Light that one path in `rarity` finds, over three stops of luminance, in a black frame, with a lamp.
   const auto noisy = [](int size, int rarity) {
     std::mt19937 random(5);
     return filled(size, size * 2 / 3, [&](int x, int y) {
@@ -266,7 +266,7 @@ TEST(Metering, NoiseDoesNotCount) {
 }
 
 TEST(Metering, FewSamplesAreExposedAsManyAre) {
-  // A room lit through a doorway from the next one, where the lamp is.
+  // A room lit through a doorway from a second room with a lamp.
   const auto scene =
       recurse::testing::sceneFrom(R"(Film "rgb" "integer xresolution" 180 "integer yresolution" 120
 LookAt 0 1 -2.9  0 1 0  0 1 0

@@ -1,5 +1,5 @@
 /** @file
- * Layers of photon estimates: bias and variance of an estimator with known ones, and of a map at an edge.
+ * Layers of photon estimates: bias and variance for an estimator with known values, and for a map at an edge.
  */
 #include <gtest/gtest.h>
 
@@ -13,7 +13,8 @@ using namespace recurse::testing;
 
 constexpr double ESTIMATE_TRUTH = 2, ESTIMATE_BIAS = 0.3, ESTIMATE_DEVIATION = 0.5;
 
-/** Estimates ESTIMATE_TRUTH plus `bias` plus or minus `deviation`, from 7 photons within .25. */
+/** Estimator with the values ESTIMATE_TRUTH plus `bias` plus or minus `deviation`, from 7 photons within
+ * .25. */
 class KnownEstimator final : public Integrator {
  public:
   KnownEstimator(double bias, double deviation) : bias(bias), deviation(deviation) {}
@@ -73,7 +74,7 @@ TEST(EstimateFigure, KnownBiasAndVarianceAreFound) {
 }
 
 TEST(EstimateFigure, SquaredBiasIsWithoutItsNoise) {
-  // Without bias and with few maps, the mean square of the measured bias is its noise alone.
+  // Without bias and with few maps, the mean square of the measured bias is only noise.
   const double variance = square(ESTIMATE_DEVIATION / ESTIMATE_TRUTH),
                noise = variance * (1.0 / 10 + 1.0 / 100);
   EXPECT_NEAR(knownFigure(10, 100, 0).squaredBias, 0, 0.6 * noise);
@@ -123,8 +124,8 @@ std::array<double, 2> edgeAndMiddle(const std::string& parameters) {
 }
 
 TEST(EstimateFigure, AnEdgeIsDarkWithoutBoundaryCorrection) {
-  // The middle of the outermost pixel is 1/21 from the edge: t = .238 of the radius. The part of the kernel's
-  // integral on the plate is 1/2 + (2/π) ∫_0^t (4/3)(1 - u²)^(3/2) du.
+  // The centre of the outermost pixel is 1/21 from the edge: t = .238 of the radius. The fraction of the
+  // kernel's integral on the plate is 1/2 + (2/π) ∫_0^t (4/3)(1 - u²)^(3/2) du.
   const double t = (1.0 / 21) / 0.2;
   double inside = 0.5;
   for (int i = 0; i < 1000; ++i)

@@ -20,8 +20,8 @@ RenderSettings figureSettings(int samples = FIGURE_SAMPLES) {
   return settings;
 }
 
-/** Two matt walls that face each other, below a large lamp: every strategy finds their light well, and no two
- * points of different surfaces are close. */
+/** Two opposite matt walls below a large lamp: every strategy finds their light well, and points of different
+ * surfaces are never close. */
 std::string mattWalls() {
   return view(FIGURE_SIZE, FIGURE_SIZE, "0 0 3.9  0 0 0  0 1 0", perspective(35)) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .5 .3 ]

@@ -1,6 +1,6 @@
 /** @file
- * FLIP against values of a separate implementation in double precision, whose filters are applied in two
- * dimensions as the papers write them, and against what the definitions say of simple pictures.
+ * FLIP against values of an independent implementation in double precision, with two-dimensional filters as
+ * in the papers, and against closed forms for simple pictures.
  */
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ Image constant(const Rgb& colour, int width = 24, int height = 16) {
   return image;
 }
 
-/** Waves, a checkerboard and a disk far brighter than white; `changed` has waves and a green spot more. */
+/** Waves, a checkerboard and a disk far brighter than white; `changed` adds waves and a green spot. */
 Image picture(bool changed) {
   Image image(48, 36, {"R", "G", "B"});
   for (int i = 0; i < 36; ++i)
@@ -72,7 +72,7 @@ TEST(Flip, HdrAgreesWithASeparateImplementation) {
 TEST(Flip, RangeFromNothingToGreenAgainstBlue) {
   EXPECT_EQ(ldrFlip(picture(true), picture(true)).mean, 0);
   EXPECT_EQ(hdrFlip(picture(true), picture(true)).mean, 0);
-  // The pair of colours that defines the largest error; without features the error is that of the colours.
+  // The pair of colours that defines the largest error; without features the error is the colour error.
   EXPECT_NEAR(ldrFlip(constant({0, 1, 0}), constant({0, 0, 1})).mean, 1, 1e-5);
   const Flip there = ldrFlip(picture(true), picture(false)), back = ldrFlip(picture(false), picture(true));
   EXPECT_DOUBLE_EQ(there.mean, back.mean);
@@ -95,7 +95,8 @@ TEST(Flip, ADisplayShowsNothingAboveWhite) {
 }
 
 TEST(Flip, DarkPictures) {
-  // Black has no exposure; mostly black has no finite one for its median, and takes that of what is lit.
+  // A black picture has no exposure; a mostly black one has no finite exposure for its median, and uses the
+  // lit pixels.
   EXPECT_EQ(hdrFlip(constant(Rgb(0)), constant(Rgb(0))).mean, 0);
   Image lamp = constant(Rgb(0));
   for (int c = 0; c < 3; ++c) lamp.at(3, 3)[c] = 5;

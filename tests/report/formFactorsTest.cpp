@@ -21,7 +21,7 @@ struct PatchSystem {
   std::vector<RadiosityPatch> patches;
   std::vector<FormFactors> factors;
 
-  /** The side towards the origin is the lit one. */
+  /** The lit side is towards the origin. */
   explicit PatchSystem(const std::string& text) : scene(sceneFrom(text)) {
     radiosity = integratorFrom("radiosity", "\"float patchsize\" .25 \"integer rays\" 1000");
     radiosity->prepare(*scene, PathClasses());

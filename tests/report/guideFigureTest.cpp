@@ -22,7 +22,7 @@ GuideFigure directionsIn(const std::string& text, int64_t samples, std::array<in
   return guideFigure(*scene, *path, {pixel}, 6, samples, 3, stop);
 }
 
-/** Directions below a hole; without the guide, which has ended. */
+/** Directions below a hole, recorded once; the guide no longer exists. */
 const PixelDirections& belowHole() {
   static const GuideFigure figure = directionsIn(floorBelowHole(HOLE), 16);
   return figure.pixels[0];
@@ -30,7 +30,7 @@ const PixelDirections& belowHole() {
 
 TEST(HemisphereDisc, HasEqualAreasForEqualSolidAngles) {
   const HemisphereDisc disc(glm::normalize(Vec3f(1, 2, 3)), {0, 0, 1});
-  double moment = 0, angle = 0; // of the cosine over the hemisphere: 1/2 of its solid angle
+  double moment = 0, angle = 0; // moment of the cosine over the hemisphere: 1/2 of its solid angle
   for (size_t cell = 0; cell < size_t(square(HemisphereDisc::CELLS)); ++cell)
     if (const auto d = disc.direction(cell, Vec2f(0.5f))) {
       EXPECT_NEAR(glm::length(*d), 1, 1e-5f);
@@ -38,7 +38,7 @@ TEST(HemisphereDisc, HasEqualAreasForEqualSolidAngles) {
       moment += HemisphereDisc::CELL_ANGLE * double(disc.cosine(*d));
       angle += HemisphereDisc::CELL_ANGLE;
     }
-  EXPECT_NEAR(angle, 2 * PI_D, 1e-2); // cells at the rim are inside or outside as a whole
+  EXPECT_NEAR(angle, 2 * PI_D, 1e-2); // cells at the rim are either inside or outside
   EXPECT_NEAR(moment, PI_D, 1e-2);
   EXPECT_EQ(disc.cellOf(-glm::normalize(Vec3f(1, 2, 3))), std::nullopt);
 }
@@ -103,7 +103,7 @@ TEST(GuideFigure, SaysWhereTheGuideIsOff) {
 }
 
 TEST(GuideFigure, IndirectLightIsAllLeftToRays) {
-  // No ray can hit the lamp of the point light: what rays find is the light of the wall that it shines on.
+  // No ray can hit the point light: rays find only the light that the wall reflects.
   const std::string scene = view(8, 8, "0 1 -3  0 0 0  0 1 0", perspective(1)) +
                             "LightSource \"point\" \"rgb I\" [ 5 5 5 ] \"point3 from\" [ 1 1 0 ]\n"
                             "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
@@ -119,7 +119,7 @@ TEST(GuideFigure, RefusesWhatHasNoGuide) {
   const std::string mirror = view(8, 8, "0 0 -3  0 0 0  0 1 0", perspective(1)) +
                              "LightSource \"infinite\"\nMaterial \"conductor\" \"rgb reflectance\" [1 1 1]\n"
                              "Shape \"bilinearmesh\" \"point3 P\" [-9 -9 0  9 -9 0  -9 9 0  9 9 0]\n";
-  EXPECT_THROW(directionsIn(mirror, 1), Error); // shows the sky only
+  EXPECT_THROW(directionsIn(mirror, 1), Error); // only the sky is visible
 }
 
 } // namespace

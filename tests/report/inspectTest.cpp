@@ -1,5 +1,5 @@
 /** @file
- * The triangles of the page of light in a scene.
+ * Triangles and reference points of the inspect page.
  */
 #include <gtest/gtest.h>
 
@@ -81,7 +81,7 @@ TEST(SceneMesh, CurvesAreBoxes) {
 }
 
 constexpr double REFERENCE_FLUX = 3,
-                 REFERENCE_ANGLE = 0.6; // irradiance across the light, angle to the floor's normal
+                 REFERENCE_ANGLE = 0.6; // irradiance perpendicular to the light, angle to the floor's normal
 
 /** A floor of one material, lit by a distant light at an angle. */
 std::string litFloor(const std::string& material) {
@@ -131,7 +131,7 @@ TEST(ReferencePoints, AnyPointOfTheFloorHasTheSameIrradiance) {
   EXPECT_EQ(found->samples, 16);
   const double expected = REFERENCE_FLUX * std::cos(REFERENCE_ANGLE);
   EXPECT_NEAR(double(found->irradiance.r), expected, 1e-3 * expected);
-  // The other side is dark; a mirror has none.
+  // The back of the floor is dark; a mirror has no irradiance.
   const auto below = referenceAt(*scene, *path, classes, point, {0, 0, -1}, 16, 1, stop);
   ASSERT_TRUE(below);
   EXPECT_EQ(below->irradiance.r, 0);
@@ -140,7 +140,7 @@ TEST(ReferencePoints, AnyPointOfTheFloorHasTheSameIrradiance) {
 }
 
 TEST(ReferencePoints, APointOffTheSurfaceHasTheIrradianceOfTheSurface) {
-  // A chord of 5° of a sphere of radius 5 is up to 0.1 below it; a plate is at some distance above it.
+  // A chord of 5° of a sphere of radius 5 is up to 0.1 below it; a plate is some distance above it.
   const auto scene =
       sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 10\nShape \"sphere\" \"float radius\" 5\n");
   const auto path = integratorFrom("simplepath", "");

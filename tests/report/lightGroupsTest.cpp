@@ -1,7 +1,7 @@
 /** @file
- * Path expressions that name lights and surfaces: their language against std::regex, their walks cut at every
- * place, errors; and as they are rendered: sums over names, and the light of each lamp against a scene in
- * which it is alone.
+ * Path expressions with names of lights and surfaces: their language against std::regex, walks cut at every
+ * vertex, errors; and renders: sums over names, and the light of each lamp against a scene with this lamp
+ * alone.
  */
 #include "transport/classRendering.h"
 
@@ -22,7 +22,7 @@ namespace {
 /** Lights: a, b, both names, none. Surfaces: objects floor, wall, none, by materials wood, none. */
 const PathNames NAMES = {{{"a"}, {"b"}, {"a", "b"}, {}}, {{"floor"}, {"wall", "wall.2"}, {}}, {{"wood"}, {}}};
 
-/** Event of a word: a letter for each event and surface. */
+/** Event of a word: one letter for each pair of event and surface. */
 struct Event {
   PathEvent event;
   size_t object, material;
@@ -34,7 +34,7 @@ char eventLetter(const Event& e) {
   return char((e.event == PathEvent::S ? 'A' : 'a') + 2 * e.object + e.material);
 }
 
-/** Expressions, and the same as regular expressions over the letters above. */
+/** Expressions, with equivalent regular expressions over the letters above. */
 const std::vector<std::pair<std::string, std::string>> EXPRESSIONS = {
     {"L'a'.*E", "[02][A-Fa-fv]*"},
     {"L'b'DE", "[12][a-f]"},
@@ -76,13 +76,13 @@ template <class Visit> void forAllEvents(size_t longest, const Visit& visit) {
   extend();
 }
 
-/** Classes that overlap nowhere but in `all`. */
+/** Disjoint classes, and `all`. */
 std::vector<PathClass> withAll(std::vector<PathClass> classes) {
   classes.push_back({"total", "all"});
   return classes;
 }
 
-/** The layers but the last add up to the last, in every pixel. */
+/** Expects that in every pixel all layers before the last add up to the last. */
 void expectSums(const Film& film, const std::string& what) {
   const size_t total = film.layerCount() - 1;
   double light = 0;
@@ -97,8 +97,8 @@ void expectSums(const Film& film, const std::string& what) {
   EXPECT_GT(light, 0) << what;
 }
 
-/** A room with a floor, a wall, a mirror, a pane of glass before a lamp, and lamps of all kinds; only those
- * of `lamps` are switched on. */
+/** A room with a floor, a wall, a mirror, a pane of glass in front of a lamp, and lamps of all kinds, of
+ * which `lamps` are switched on. */
 std::string roomOfLamps(int size, const std::string& lamps = "kbsi") {
   const auto lamp = [&](char which, const std::string& text) {
     return lamps.find(which) == std::string::npos ? std::string() : text;
@@ -320,7 +320,7 @@ Shape "sphere" "string name" "bulb")");
   EXPECT_EQ(lampGroups(*scene).size(), 2u);
 }
 
-/** One shadow ray of three ways to the lamp through the pane, photons, connections and merges. */
+/** Ways with a shadow ray to the lamp through the pane, with photons, connections and merges. */
 TEST(LightGroups, LayersByLightAddUpToThePicture) {
   const ThreadPool pool;
   const auto scene = sceneFrom(roomOfLamps(24));
@@ -374,7 +374,7 @@ TEST(LightGroups, MaterialsAndObjectsNameTheirSurfaces) {
   for (const double mean : rendered.layerMeans()) EXPECT_GT(mean, 0);
 }
 
-/** Relative standard error from which a comparison of means tells nothing. */
+/** Largest relative standard error with which a comparison of means is meaningful. */
 constexpr double VAGUE = SANITIZED ? 0.4 : 0.1; // sanitizers have an eighth of the samples
 
 TEST(LightGroups, LayersAreTheLightOfALampAlone) {
@@ -397,7 +397,8 @@ TEST(LightGroups, LayersAreTheLightOfALampAlone) {
     const bool merges = way.integrator == "vcm";
     for (size_t i = 0; i < lamps.size(); ++i)
       for (size_t c = 0; c < 3; ++c) {
-        if (way.integrator == "path" && lamps[i] == 's') continue; // misses its light by the mirror
+        if (way.integrator == "path" && lamps[i] == 's')
+          continue; // path does not find its light by the mirror
         const BatchMeans& alone = (merges ? byMerges : byConnections)[i];
         const double error = std::hypot(alone.standardError(c), means.standardError(3 * i + c));
         const double bias = way.integrator == "photonmap" ? 0.03 : 0;

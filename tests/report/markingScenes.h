@@ -1,5 +1,5 @@
 /** @file
- * Five small scenes in which all default classes of paths but those of media are seen, for marks.
+ * Five small scenes for marks, which together show all default classes of paths except media.
  */
 #pragma once
 
@@ -33,7 +33,7 @@ inline std::string lamp(const std::string& radiance, const std::string& shape) {
          "\nAttributeEnd\n";
 }
 
-/** A room lit by a disk that shines up: most of its light is scattered many times. */
+/** A room lit by a disk that faces up: most of its light is scattered many times. */
 inline std::string room() {
   return sceneOf("0 -3.6 1.4  0 0 1  0 0 1", 50,
                  square(".75 .7 .65", "-2 -4 0  2 -4 0  -2 2 0  2 2 0") +
@@ -45,7 +45,7 @@ inline std::string room() {
                      lamp("40 36 30", "Translate -.9 .4 1.3\nShape \"disk\" \"float radius\" .25"));
 }
 
-/** Outdoors, with a matt ball and one that mirrors the sky onto the ground. */
+/** Outdoors, with a matt ball and a mirror ball that reflects the sky onto the ground. */
 inline std::string outdoors() {
   return sceneOf("3 -5 2.2  0 0 .6  0 0 1", 34,
                  "LightSource \"infinite\" \"rgb L\" [ .4 .55 .8 ]\nLightSource \"distant\" \"point3 from\" "
@@ -66,7 +66,7 @@ inline std::string wallWithMirror() {
                            "1.4 -1 2.6 ]"));
 }
 
-/** A corner with red and green walls, a lamp that is seen, and a box of mirrors. */
+/** A corner with red and green walls, a visible lamp, and a box of mirrors. */
 inline std::string corner() {
   return sceneOf("2.6 -2.8 2  0 .2 .7  0 0 1", 45,
                  square(".7 .7 .7", "-2 -3 0  2.5 -3 0  -2 1.5 0  2.5 1.5 0") +

@@ -1,6 +1,6 @@
 /** @file
- * Marks of pictures that are made wrong on purpose: what is said must be what was done, and nothing else. The
- * pictures have other noise than the reference.
+ * Marks of pictures with deliberate mistakes: the marks must name exactly these mistakes. Pictures and
+ * reference have independent noise.
  */
 #include <gtest/gtest.h>
 
@@ -34,8 +34,8 @@ Stills renderedStills(const std::string& text, int samples, uint64_t seed) {
       1);
 }
 
-/** A scene's reference, and the classes as a student would render them: with fewer samples and another seed.
- */
+/** Reference of a scene, and its classes as a student would render them, with fewer samples and a different
+ * seed. */
 struct Exercise {
   std::string name;
   Stills reference, student;
@@ -58,14 +58,14 @@ const std::vector<Exercise>& exercises() {
   return ALL;
 }
 
-/** What a student did wrong. */
+/** Mistake of a student. */
 struct Mistake {
-  std::map<std::string, double> factors; ///< of classes; the others are right
+  std::map<std::string, double> factors; ///< factors of wrong classes
   PictureChange change;
   double exposure = 1;
 };
 
-/** The sum of the layers, each by a factor that may depend on the pixel. */
+/** Sum of the layers, each with a factor that may depend on the pixel. */
 template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& factor) {
   Image out(stills.image.width, stills.image.height, {"R", "G", "B"});
   for (int y = 0; y < out.height; ++y)
@@ -77,7 +77,7 @@ template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& fa
   return out;
 }
 
-/** The picture as the change makes it; where it moves nothing to, the border is repeated. */
+/** Picture after the change; new pixels at the border repeat the border. */
 Image changed(const Image& image, const PictureChange& change) {
   Image out = image;
   for (int y = 0; y < out.height; ++y)
@@ -92,7 +92,7 @@ Image changed(const Image& image, const PictureChange& change) {
   return out;
 }
 
-/** Noise in proportion to the light, as of fewer samples. */
+/** Noise in proportion to the light, as with fewer samples. */
 Image grained(const Image& image, double deviation, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, deviation);
@@ -101,7 +101,7 @@ Image grained(const Image& image, double deviation, unsigned seed) {
   return out;
 }
 
-/** As a file of 8 bits brings it back. */
+/** Picture after rounding to 8 bits. */
 Image inEightBits(const Image& image) {
   Image out = image;
   for (float& value : out.pixels)
@@ -124,7 +124,7 @@ ClassState stateOf(double factor) {
                        : ClassState::SCALED;
 }
 
-/** The marks name the mistake, and no other. */
+/** Expects that the marks name this mistake alone. */
 void expectFound(const Marking& marking, const Mistake& mistake) {
   EXPECT_EQ(marking.change, mistake.change);
   EXPECT_GT(marking.changeCertainty, 0.9);
@@ -154,7 +154,7 @@ PictureChange flipped(bool horizontally, bool vertically) {
 }
 PictureChange shifted(int x, int y) { return {.shiftX = x, .shiftY = y}; }
 
-/** Six mistakes of each scene, which have to be seen in it. */
+/** Six mistakes for each scene, which are visible in it. */
 std::map<std::string, std::vector<Mistake>> mistakes() {
   return {{"room",
            {{{{"direct-diffuse", 0}}, {}},
@@ -193,7 +193,7 @@ std::map<std::string, std::vector<Mistake>> mistakes() {
             {{}, {}, 1.3}}}};
 }
 
-/** Stills of even layers with noise, without rendering. */
+/** Stills of uniform layers with noise, without rendering. */
 Stills syntheticStills(const std::vector<Image>& layers, const std::vector<std::string>& names) {
   std::vector<std::string> channels = {"R", "G", "B"};
   std::string classes;
@@ -213,7 +213,7 @@ Stills syntheticStills(const std::vector<Image>& layers, const std::vector<std::
   return stillsOf(image, "synthetic");
 }
 
-/** Light that varies slowly: waves of a length in pixels. */
+/** Slowly varying light: waves of a length in pixels. */
 Image waves(double level, double length, double phase) {
   Image image(64, 48, {"R", "G", "B"});
   for (int y = 0; y < image.height; ++y)
@@ -337,13 +337,13 @@ TEST(Marking, FactorsAreWithinTheirStandardErrors) {
     ASSERT_EQ(marking.classes[1].state, ClassState::SCALED) << markingText(marking);
     squares += std::pow((marking.classes[1].factor - 0.6) / marking.classes[1].standardError, 2);
   }
-  // Tolerances of bias are in the standard errors too, so that chance alone stays within them.
+  // The standard errors include tolerances of bias, so that noise alone is within them.
   EXPECT_LT(squares / PICTURES, 2);
 }
 
 TEST(Marking, NoiseOfTheReferenceDoesNotMakeFactorsSmaller) {
-  // Nearly as much noise as light in one layer: ordinary least squares give it less than nine tenths of its
-  // factor.
+  // One layer has nearly as much noise as light: ordinary least squares would give less than nine tenths of
+  // its factor.
   const Image steady = waves(1, 9, 0), weak = waves(0.5, 5, 1);
   double sum = 0;
   constexpr int PICTURES = 8;
@@ -376,7 +376,7 @@ TEST(Marking, ClassesThatLookAlikeAreNotToldApart) {
 TEST(Marking, OtherGeometryIsNoClassOfLight) {
   const Exercise& exercise = exercises().front();
   Image picture = sumOfLayers(exercise.student, [](const std::string&, int, int) { return 1; });
-  for (int y = 0; y < 32; ++y) // stripes that no class has
+  for (int y = 0; y < 32; ++y) // stripes that are in no class
     for (int x = 0; x < 40; ++x)
       for (size_t c = 0; c < 3; ++c) picture.at(x, y)[c] *= (x / 4 + y / 4) % 2 ? 1.6f : 0.4f;
   const Marking marking = markExercise(picture, exercise.reference);

@@ -1,5 +1,5 @@
 /** @file
- * Methods side by side: classes as fine as what they claim, and figures against known pictures.
+ * Methods side by side: classes as fine as the claims of the methods, and figures against known pictures.
  */
 #include "recurse/report/methods/methods.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Pictures with noise that is known.
+ * Pictures with known noise.
  */
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace recurse {
 
-/** Normally distributed, independent in every value. */
+/** Adds normally distributed, independent noise to every value. */
 inline Image noisy(const Image& truth, double deviation, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, deviation);

@@ -1,6 +1,6 @@
 /** @file
- * Figures of direct light: each sampling agrees with closed forms, and offsets of shadow rays are wrong as
- * geometry predicts.
+ * Figures of direct light: each sampling agrees with closed forms, and offsets of shadow rays cause the
+ * errors that geometry predicts.
  */
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ SamplingsFigure samplingsOf(const Scene& scene, int64_t samples, uint64_t seed =
   return samplingsFigure(scene, samples, seed, stop);
 }
 
-/** A floor seen from above under an even sky of radiance 1. */
+/** A floor seen from above under a uniform sky of radiance 1. */
 std::string floorUnderSky(int size) {
   return view(size, size, "0 5 0  0 0 0  0 0 1", perspective(30)) +
          "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 "
@@ -56,7 +56,8 @@ TEST(Samplings, AllFindTheIrradianceOfADisc) {
 }
 
 TEST(Samplings, ErrorsUnderAnEvenSkyAreThoseOfTheCosine) {
-  // Uniform: the estimate over its mean is 2 cos, whose variance is 1/3. Cosine, and BSDF here: constant.
+  // Uniform: the estimate over its mean is 2 cos, with the variance 1/3. Cosine, and BSDF in this scene:
+  // constant.
   const SamplingsFigure figure = samplingsOf(*sceneFrom(floorUnderSky(40)), 16);
   for (const Vec2d& p : figure.plot.curves[0].points)
     EXPECT_NEAR(p.y, std::sqrt(1 / (3 * p.x)), 0.06 * std::sqrt(1 / (3 * p.x))) << p.x;
@@ -66,10 +67,11 @@ TEST(Samplings, ErrorsUnderAnEvenSkyAreThoseOfTheCosine) {
 }
 
 TEST(Samplings, CombinedSamplesAreBoundedByBothDensities) {
-  // One-sample balance heuristic: the variance under an even sky is that of cos / (cos/2 + p/2), below both.
+  // One-sample balance heuristic: the variance under a uniform sky is that of the ratio cos / (cos/2 + p/2),
+  // below both.
   const SamplingsFigure figure = samplingsOf(*sceneFrom(floorUnderSky(20)), 4);
   const auto errorOf = [&](size_t s) { return figure.plot.curves[s].points.back().y; };
-  EXPECT_GT(errorOf(3), 0.05); // the sky is sampled evenly
+  EXPECT_GT(errorOf(3), 0.05); // the sky is sampled uniformly
   EXPECT_LT(errorOf(4), errorOf(3));
 }
 
@@ -83,7 +85,7 @@ TEST(Samplings, OnlyLightSamplesFindAPointLight) {
   const double expected = 8.0 / 4 * 0.5 / PI_D;
   for (size_t s = 0; s < 3; ++s) {
     EXPECT_EQ(figure.panels[s].image.pixels[0], 0);
-    EXPECT_NEAR(figure.plot.curves[s].points.back().y, 1, 0.1); // all of the light is missing
+    EXPECT_NEAR(figure.plot.curves[s].points.back().y, 1, 0.1); // all light is missing
   }
   EXPECT_NEAR(double(figure.panels[3].image.pixels[0]), expected, 1e-3 * expected);
   EXPECT_NEAR(double(figure.panels[4].image.pixels[0]), expected, 0.06 * expected); // half of the samples
@@ -96,7 +98,7 @@ TEST(Samplings, AllAreBlackInTheShadow) {
 }
 
 TEST(Samplings, TransmittedLightIsSampledOnBothSides) {
-  // The disc is above, the camera sees the floor from below.
+  // The disc is above the floor, and the camera below it.
   std::string scene = floorUnderDisc("\"diffusetransmission\" \"rgb reflectance\" [ .2 .2 .2 ] \"rgb "
                                      "transmittance\" [ .5 .5 .5 ]");
   scene.replace(scene.find("0 .5 -3"), 7, "0 -.5 -3");
@@ -165,7 +167,7 @@ TEST(Acne, IsWithoutOffsetAndLeaksAreBeyondTheBlocker) {
   EXPECT_EQ(pictures[1].acne, 0);
   EXPECT_EQ(pictures[1].leaks, 0);
   EXPECT_GT(pictures[2].leaks, 0.02); // rays start above the bar, which is .1 above the floor
-  EXPECT_LT(pictures[3].offset, 0);   // the rule
+  EXPECT_LT(pictures[3].offset, 0);   // the rule of the renderer
   EXPECT_EQ(pictures[1].image.pixels, pictures[3].image.pixels);
   const auto panels = acnePanels(pictures);
   EXPECT_EQ(panels.size(), 4u);
@@ -179,7 +181,7 @@ TEST(Drawing, HasPicturesLinesAndTextsInBothForms) {
   Image red(2, 2, {"R", "G", "B"});
   for (size_t i = 0; i < red.pixels.size(); i += 3) red.pixels[i] = 1;
   drawing.pictures.push_back({3, 4, red});
-  drawing.pictures.push_back({-1, 29, red}); // a half of it is to the left, and a half below
+  drawing.pictures.push_back({-1, 29, red}); // one half is to the left, and one half below
   drawing.lines.push_back({{Vec2f(10, 10.5f), Vec2f(30, 10.5f)}, BLACK, 1});
   drawing.lines.push_back({{Vec2f(10, 20.5f), Vec2f(30, 20.5f)}, BLACK, 1, true});
   drawing.texts.push_back({0, 22, "a<b"});
@@ -211,12 +213,12 @@ TEST(Plot, PutsPointsWhereTheirLogarithmsAre) {
     if (line.colour == Rgb(1, 0, 0) && line.points.size() > 2) curve = line.points;
     if (line.dashed && slope.empty()) slope = line.points;
   }
-  ASSERT_EQ(curve.size(), 3u); // a zero has no place
+  ASSERT_EQ(curve.size(), 3u); // a zero has no logarithm
   EXPECT_NEAR(curve[1].x - curve[0].x, curve[2].x - curve[1].x, 0.01f);
   EXPECT_NEAR(curve[1].y - curve[0].y, curve[2].y - curve[1].y, 0.01f);
   EXPECT_GT(curve[1].y, curve[0].y); // downwards
   ASSERT_EQ(slope.size(), 2u);
-  // Both start at the same point; the curve falls by 2 decades, the slope by 1.
+  // Both start at the same point; the curve decreases by 2 decades, the slope by 1.
   EXPECT_NEAR((slope[1].y - slope[0].y) * 2, curve[2].y - curve[0].y, 0.1f);
   EXPECT_NEAR(slope[1].x, curve[2].x, 0.1f);
   for (const FigureDrawing::Text& t : drawing.texts) {
@@ -238,7 +240,8 @@ TEST(Plot, KeepsSlopesOfBothSignsWithinTheAxes) {
     }
     ASSERT_EQ(dashed.size(), 2u);
     EXPECT_EQ(dashed[0], curve[0]);
-    EXPECT_NEAR(dashed[1].y, (slope < 0 ? curve[2] : curve[1]).y, 0.1f) << slope; // the edge of the axes
+    EXPECT_NEAR(dashed[1].y, (slope < 0 ? curve[2] : curve[1]).y, 0.1f)
+        << slope; // clipped at the edge of the axes
     EXPECT_NEAR(dashed[1].x - dashed[0].x, (curve[1].x - curve[0].x) / 3, 0.1f) << slope;
   }
 }

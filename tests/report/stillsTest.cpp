@@ -1,6 +1,5 @@
 /** @file
- * Stills: the classes add up to the whole picture with every integrator, and nothing is lost on the way into
- * the files.
+ * Stills: the classes add up to the whole picture with every integrator, and files contain all of them.
  */
 #include <gtest/gtest.h>
 
@@ -34,7 +33,7 @@ Film renderClasses(const std::string& sceneName, const std::string& integratorNa
   SceneOverrides overrides;
   overrides.width = overrides.height = size;
   const auto scene = buildScene(loadScene(file, diagnostics), overrides, diagnostics);
-  std::string parameters; // few photons: what is looked at are sums
+  std::string parameters; // few photons are enough, because the test checks sums only
   for (const ParameterSpec& p : plugIns().integrators.find(integratorName)->parameters) {
     if (!p.ignored && p.name == "passes") parameters += " \"integer passes\" 1";
     if (!p.ignored && p.name == "photons") parameters += " \"integer photons\" 20000";
@@ -50,7 +49,7 @@ Film renderClasses(const std::string& sceneName, const std::string& integratorNa
   return film;
 }
 
-/** A film of given colours: pixel by pixel, layer by layer. */
+/** Film of given colours: pixel by pixel, layer by layer. */
 Film filmOf(int width, int height, size_t layers, const std::vector<Rgb>& values) {
   Film film(PixelBounds{0, 0, width, height}, layers);
   for (size_t p = 0; p < film.bounds().area(); ++p) film.add(p, 0, 1, &values[p * layers], BLACK);
@@ -93,7 +92,7 @@ TEST(Stills, ClassesAddUpWithEveryIntegrator) {
         for (int c = 0; c < 3; ++c)
           ASSERT_NEAR(sum[c], whole[c], 4e-6 * whole[c]) << scene << ", " << integrator << ", pixel " << p;
       }
-      // The furnace has no light from all around, which ambient occlusion goes by.
+      // The furnace has no light from the white sky of ambient occlusion.
       EXPECT_TRUE(light > 0 || integrator == "ambientocclusion") << scene << ", " << integrator;
     }
 }
@@ -121,7 +120,7 @@ TEST(Stills, WhatIsLeftOverBecomesAClass) {
 
 TEST(Stills, OverlappingClassesGetTheWholePictureBeside) {
   const StillsPlan plan = planStills({{"a", "L.*E"}, {"b", "LD+E"}, {"c", "L[SD]E"}});
-  EXPECT_EQ(plan.classes.size(), 3u); // a is everything
+  EXPECT_EQ(plan.classes.size(), 3u); // a contains all paths
   EXPECT_EQ(plan.beauty, 0);
   EXPECT_EQ(plan.shown, 3u);
   const StillsPlan other = planStills({{"b", "LD+E"}, {"c", "L[SD]E"}});
@@ -133,7 +132,7 @@ TEST(Stills, OverlappingClassesGetTheWholePictureBeside) {
   EXPECT_FALSE(other.additive());
   EXPECT_NE(other.remarks[0].find("LDE"), std::string::npos) << other.remarks[0];
 
-  // Two pixels of the four classes: the whole is its own layer, not the sum.
+  // Two pixels of the four classes: the whole is a layer of its own, not the sum.
   const Stills stills =
       makeStills(filmOf(2, 1, 4, {Rgb(1), Rgb(2), Rgb(3), Rgb(5), Rgb(0), Rgb(1), Rgb(0), Rgb(1)}), other, 2);
   ASSERT_EQ(stills.layers.size(), 4u);
@@ -157,7 +156,7 @@ TEST(Stills, BadNamesAndExpressionsAreRefused) {
 
 TEST(Stills, ExposureBringsThePercentileToNearlyWhite) {
   Image image(100, 10, {"R", "G", "B"});
-  for (size_t i = 0; i < 500; ++i) // the other half is black, and does not count
+  for (size_t i = 0; i < 500; ++i) // the second half is black, and does not count
     for (size_t c = 0; c < 3; ++c) image.pixels[i * 3 + c] = i < 495 ? 0.25f : 1000.0f;
   const double shown = 0.25 * std::exp2(double(automaticExposure(image)));
   EXPECT_NEAR(1.055 * std::pow(shown, 1 / 2.4) - 0.055, double(STILLS_DISPLAY_WHITE), 1e-3);
@@ -228,7 +227,7 @@ TEST(Stills, PageNeedsNothingButItself) {
   EXPECT_EQ(data["sets"].size(), 2u);
   EXPECT_EQ(data["sets"][0]["title"], stills.title);
   ASSERT_EQ(data["sets"][0]["layers"].size(), 4u);
-  EXPECT_FALSE(data["sets"][0]["layers"][0].contains("pixels")); // the page adds
+  EXPECT_FALSE(data["sets"][0]["layers"][0].contains("pixels")); // the page computes the sum
   EXPECT_EQ(data["sets"][0]["layers"][1]["name"], "lamp");
   EXPECT_TRUE(data["sets"][0]["layers"][3].contains("pixels"));
 

@@ -1,5 +1,5 @@
 /** @file
- * Everything that the fuzzer found worth keeping, whole and cut off in every place, reads without a crash.
+ * The corpus of the fuzzer, whole and truncated at many positions, is read without a crash.
  */
 #include "fuzz/sceneExercise.h"
 #include "sceneTesting.h"
@@ -14,7 +14,7 @@ TEST(Corpus, NothingCrashes) {
     std::ifstream in(entry.path(), std::ios::binary);
     const std::string text((std::istreambuf_iterator<char>(in)), {});
     exerciseScene(text, empty.path());
-    // About 40 cuts of each.
+    // About 40 truncations of each.
     const size_t step = text.size() / 40 + 1;
     for (size_t length = 0; length < text.size(); length += step) {
       Diagnostics diagnostics;

@@ -1,5 +1,5 @@
 /** @file
- * Directives other than transforms: what they record, and how they scope.
+ * Directives other than transforms: recorded data and scopes.
  */
 #include "sceneTesting.h"
 
@@ -7,7 +7,7 @@ using namespace recurse;
 
 namespace {
 
-/** Objects that stand in each other at so many levels, and the outermost in the world. */
+/** Objects nested in a number of levels, with an instance of the outermost in the world. */
 std::string towerOfObjects(int levels) {
   std::string tower = "WorldBegin ObjectBegin \"0\" Shape \"a\" ObjectEnd ";
   for (int i = 0; i < levels; ++i)
@@ -61,7 +61,7 @@ TEST(Directives, CamerasWithDifferentNamesAreAllKept) {
     EXPECT_EQ(s.shapes.at(0).worldFromObject, s.worldFromCamera) << name;
     return s;
   };
-  for (const char* name : {"", "door", "attic"}) { // the first where there is no such name
+  for (const char* name : {"", "door", "attic"}) { // the first one if the name does not exist
     const SceneDescription door = chosen(name);
     EXPECT_EQ(door.camera.type, "perspective") << name;
     EXPECT_EQ(door.cameraName, "door");
@@ -204,7 +204,7 @@ TEST(Directives, ObjectsStandInObjects) {
     ObjectBegin "tree" Shape "trunk" Translate 3 0 5 ObjectInstance "twig" ObjectInstance "leaf" ObjectEnd
     )";
   const SceneDescription s = parseGood(text + "Translate 100 0 0 ObjectInstance \"tree\"");
-  // Where the points of the leaves come to, in the space of their shapes, and nothing else is placed.
+  // Positions of the leaves in the space of their shapes; all other instances are resolved.
   std::vector<Vec3d> leaves;
   for (const InstanceDescription& i : s.instances) {
     if (i.object == "leaf")
@@ -218,7 +218,7 @@ TEST(Directives, ObjectsStandInObjects) {
   EXPECT_EQ(leaves[0], Vec3d(101, 5, 11));
   EXPECT_EQ(leaves[1], Vec3d(105, 4, 11));
 
-  // What moves, and what a solid is made of, is one object with all of it.
+  // Moving objects and operands of solids are single objects with all their shapes.
   const SceneDescription moving =
       parseGood(text + "ActiveTransform EndTime Rotate 90 0 0 1 ActiveTransform All ObjectInstance \"tree\" "
                        "Shape \"csg\" \"string operands\" [ \"twig\" \"leaf\" ]");

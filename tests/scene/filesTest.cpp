@@ -1,5 +1,5 @@
 /** @file
- * Scenes of several files: Include as a splice of tokens, Import as a scope, compression, paths.
+ * Scenes of several files: Include as insertion of tokens, Import as a scope, compression, paths.
  */
 #include <sys/stat.h>
 #include <zlib.h>
@@ -111,7 +111,7 @@ TEST(Files, DepthAndTextOfIncludesAreLimited) {
   for (int i = 0; i < 100; ++i)
     d.write(std::to_string(i) + ".pbrt", "Include \"" + std::to_string(i + 1) + ".pbrt\"");
   EXPECT_CONTAINS(messagesOf(d, "a.pbrt"), "64 levels deep");
-  // Each file twice as long as the next: 2^40 tokens if nobody counts.
+  // Each file includes the next one twice: 2^40 tokens without a limit.
   for (int i = 0; i < 40; ++i) {
     const std::string next = "Include \"" + std::to_string(i + 1) + ".pbrt\" ";
     d.write(std::to_string(i) + ".pbrt", next + next);
@@ -161,7 +161,7 @@ TEST(Files, PathsAreRelativeToTheNamingFileThenToTheTop) {
   EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
   EXPECT_EQ(p.filePath("filename"), d.path("sub/m.ply"));
   EXPECT_EQ(p.filePath("atTop"), d.path("n.ply"));
-  // Written in the top file, though the directive began in another.
+  // The parameter is in the top file, though the directive began in the included one.
   EXPECT_EQ(p.filePath("texture"), d.path("t.png"));
   EXPECT_EQ(p.directory(), d.path("sub"));
 }

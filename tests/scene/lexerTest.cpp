@@ -1,5 +1,5 @@
 /** @file
- * Tokens: numbers in all their forms, strings with escapes, comments, places.
+ * Tokens: numbers in all forms, strings with escapes, comments, positions.
  */
 #include "scene/text/lexer.h"
 #include "sceneTesting.h"

@@ -1,6 +1,6 @@
 /** @file
- * Scenes written for other renderers load without an error. They lie beside the checkout, or where the
- * environment variable RECURSE_SHARED says; without them there is nothing to test.
+ * Scenes written for other renderers load without an error. They are next to the checkout, or in the folder
+ * of the environment variable RECURSE_SHARED; without them the test is empty.
  */
 #include <cstdlib>
 #include <filesystem>
@@ -23,7 +23,7 @@ bool isWholeScene(const fs::path& file) {
   return text.find("WorldBegin") != std::string::npos;
 }
 
-/// Scenes that a renderer accepts. The folder `repro` is left out: it has inputs that are wrong on purpose.
+/// Scenes that a renderer accepts. The folder `repro` is excluded: its inputs are deliberately invalid.
 std::vector<fs::path> sceneFiles() {
   const char* place = std::getenv("RECURSE_SHARED");
   const fs::path root = place ? fs::path(place) : fs::path(RECURSE_SOURCE_DIR) / ".." / "shared";

@@ -1,5 +1,5 @@
 /** @file
- * The reference page names everything that the parser and the declarations know.
+ * The reference page names all directives of the parser and all declarations.
  */
 #include "recurse/scene/directives/reference.h"
 #include "sceneTesting.h"

@@ -17,7 +17,7 @@ inline SceneDescription parse(const std::string& text, Diagnostics& diagnostics)
   return parseScene(text, "test.pbrt", "", diagnostics);
 }
 
-/** Parses what must be free of errors. */
+/** Parses a text that must have no errors. */
 inline SceneDescription parseGood(const std::string& text) {
   Diagnostics diagnostics;
   SceneDescription scene = parse(text, diagnostics);
@@ -43,7 +43,7 @@ inline size_t errorCount(const Diagnostics& diagnostics) {
   return n;
 }
 
-/** A directory that goes away with the test. */
+/** A temporary directory of a test. */
 class TemporaryDirectory {
  public:
   TemporaryDirectory() {

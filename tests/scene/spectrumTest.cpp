@@ -10,7 +10,7 @@ namespace {
 
 double luminanceOf(const Rgbd& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
 
-/** Chromaticity of an RGB colour, by the standard's own matrix. */
+/** Chromaticity of an RGB colour, by the matrix of the standard. */
 Vec2d chromaticity(const Rgbd& c) {
   const double x = 0.412391 * c.r + 0.357584 * c.g + 0.180481 * c.b;
   const double y = 0.212639 * c.r + 0.715169 * c.g + 0.072192 * c.b;
@@ -41,7 +41,7 @@ TEST(Spectrum, ColorSpaces) {
       EXPECT_LE(std::max({c.r, c.g, c.b}), 1) << name;
     }
   }
-  // An emission keeps its colour: white of ACES.
+  // Emission keeps its colour: white of ACES.
   const Vec2d white = chromaticity(rgbInColorSpace("aces2065-1", Rgbd(1), SpectrumKind::ILLUMINANT));
   EXPECT_NEAR(white.x, 0.32168, 2e-4);
   EXPECT_NEAR(white.y, 0.33767, 2e-4);
@@ -57,7 +57,7 @@ TEST(Spectrum, ConstantsStayExact) {
     EXPECT_EQ(rgbOfSpectrum({{400, 700}, {c, c}}, SpectrumKind::ALBEDO), Rgbd(c));
     EXPECT_EQ(rgbOfSpectrum({{550}, {c}}, SpectrumKind::UNBOUNDED), Rgbd(c));
   }
-  // Nearly constant: through the integrals.
+  // Nearly constant: uses the integrals.
   const Rgbd c = rgbOfSpectrum({{300, 400, 900}, {0.5, 0.5, 0.5 + 1e-12}}, SpectrumKind::ALBEDO);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(c[i], 0.5, 1e-11);
 }
@@ -114,7 +114,7 @@ TEST(Spectrum, NamedOnes) {
       EXPECT_TRUE(c.r > 1.4 && c.r < c.g && c.g < c.b && c.b < 2) << name;
     }
   }
-  // nd of the catalogue lies between the values at 611 and 549 nm.
+  // The index nd of the catalogue is between the values at 611 and 549 nm.
   const std::pair<const char*, double> glasses[] = {
       {"glass-BK7", 1.5168},  {"glass-BAF10", 1.67003}, {"glass-FK51A", 1.48656}, {"glass-LASF9", 1.85025},
       {"glass-SF5", 1.67271}, {"glass-SF10", 1.72828},  {"glass-SF11", 1.78472}};

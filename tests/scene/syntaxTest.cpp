@@ -1,5 +1,5 @@
 /** @file
- * Parameter lists as files write them, errors in them, and going on after errors.
+ * Parameter lists in files, their errors, and continuation after errors.
  */
 #include "sceneTesting.h"
 

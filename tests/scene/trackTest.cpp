@@ -1,5 +1,5 @@
 /** @file
- * Tracks, and `$name` in the place of numbers.
+ * Tracks, and `$name` instead of numbers.
  */
 #include "scene/directives/track.h"
 #include "sceneTesting.h"
@@ -36,8 +36,9 @@ TEST(Track, SmoothGoesThroughKeyframesAndKeepsStraightLines) {
   const Track line({0, 1, 5, 7}, {1, 3, 11, 15}, Track::Interpolation::SMOOTH, false);
   for (const double t : {0.0, 0.3, 1.0, 2.5, 5.0, 6.9, 7.0}) EXPECT_NEAR(line.at(t)[0], 1 + 2 * t, 1e-12);
   const Track wave({0, 1, 2, 3, 4}, {0, 1, 0, -1, 0}, Track::Interpolation::SMOOTH, true);
-  EXPECT_NEAR(wave.at(0.5)[0], 0.625, 1e-12); // slopes 1 and 0 at its ends
-  // No kink at a keyframe, nor where it begins anew.
+  EXPECT_NEAR(
+      wave.at(0.5)[0], 0.625,
+      1e-12); // slopes 1 and 0 at its ends The slope is continuous at keyframes, and where the track repeats.
   for (const double t : {1.0, 2.0, 4.0, 8.0}) {
     const double h = 1e-6, before = wave.at(t)[0] - wave.at(t - h)[0],
                  after = wave.at(t + h)[0] - wave.at(t)[0];
@@ -133,7 +134,7 @@ TEST(Track, SaysWhatIsWrong) {
   EXPECT_CONTAINS(used("Animate \"a\" \"float times\" [ ] \"float values\" [ ]"), "0 values");
   EXPECT_CONTAINS(used("Animate \"a\" \"float time\" [ 0 1 ] \"float values\" [ 1 2 ]"), "times");
   EXPECT_CONTAINS(used("Animate \"a\" " + good + "\"string interpolation\" \"cubic\""), "smooth");
-  // A track of two numbers where one is wanted.
+  // A track of two numbers where the parameter has one.
   EXPECT_CONTAINS(messages("Animate \"a\" \"float times\" [ 0 ] \"float values\" [ 1 2 ] WorldBegin "
                            "Shape \"sphere\" \"float radius\" $a"),
                   "need brackets");

@@ -48,7 +48,7 @@ TEST(Transforms, LookAtMakesTheCamera) {
   expectPoint(s.worldFromCamera, {1, 0, 0}, {2, 2, 3});
   const SceneDescription mirrored =
       parseGood("Scale -1 1 1 LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin");
-  // The camera's x axis points to the world's -x from here, and Scale turns it over.
+  // The camera's x axis points to the world's -x, and Scale mirrors it.
   expectPoint(mirrored.worldFromCamera, {1, 0, 1}, {1, 0, 4});
 }
 
