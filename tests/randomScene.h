@@ -291,7 +291,8 @@ class RandomSceneWriter {
                           square(halfSide, 0)}));
     return lamp + (chance(0.8) ? bulb : "") + wall;
   }
-  /** A small object at a distance that makes the coordinates of all objects lose digits: positions coincide. */
+  /** A small object at a distance that makes the coordinates of all objects lose digits: positions coincide.
+   */
   std::string farAway() {
     return attribute(joined({"Translate ", digits(powerOfTen(2, 6)), " 0 0\nShape \"sphere\"\n"}));
   }
