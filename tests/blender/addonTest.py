@@ -1,4 +1,4 @@
-"""Runs in Blender: what of the add-on can be told without Cycles.
+"""Runs in Blender: tests of the add-on that do not need Cycles.
 
 blender -b --factory-startup --python addonTest.py -- ADD-ON-FOLDER PROGRAM
 """
@@ -55,7 +55,7 @@ class Addon(unittest.TestCase):
         return exporter.write(), exporter
 
     def checked(self):
-        """The same, taken by the program."""
+        """Text and warnings of the current scene, which the program must accept."""
         text, exporter = self.exported()
         file = os.path.join(self.folder, "scene.pbrt")
         with open(file, "w", encoding="utf-8") as out:
@@ -85,7 +85,7 @@ class Addon(unittest.TestCase):
     def test_progress_lines_of_any_kind_are_read(self):
         self.assertEqual(read_progress('{"phase": "render", "fraction": 0.25, "seconds_left": 7.4, "samples_per_pixel": 2}'),
                          (0.25, "Recurse: render, 2 samples, 7 s left"))
-        # The time left is null while it is not known.
+        # The remaining time is null if it is unknown.
         self.assertEqual(read_progress('{"phase": "photons", "fraction": 0, "seconds_left": null, "samples_per_pixel": 0}'),
                          (0, "Recurse: photons"))
         self.assertEqual(read_progress('{"fraction": 2, "phase": null, "samples_per_pixel": null}'), (1, "Recurse: render"))
@@ -126,7 +126,7 @@ class Addon(unittest.TestCase):
         np.testing.assert_allclose(red[2], red[0][:24, 16:48], rtol=1e-5)
 
     def test_transparent_films_have_objects_alone(self):
-        """The picture over its own background is the picture with background."""
+        """The picture with alpha, composited over its background, is the picture with background."""
         scenes.clear()
         scenes.world_colour((0.5, 1, 2))
         scenes.add("cube", scenes.material("grey", Color=(0.5, 0.5, 0.5))[0])
@@ -180,7 +180,7 @@ class Addon(unittest.TestCase):
         self.assertIn("velvet: the shader 'Velvet BSDF'", told)
 
     def test_averaged_inputs_are_named(self):
-        """Inputs that take no texture, each of a node with its own name."""
+        """Inputs without textures, each of a node with its own name."""
         cases = [("ShaderNodeBsdfPrincipled", name) for name in
                  ("Metallic", "Transmission", "Emission", "Emission Strength", "Specular", "IOR", "Clearcoat",
                   "Clearcoat Roughness")]
@@ -227,7 +227,7 @@ class Addon(unittest.TestCase):
         self.assertIn("Point: 'Color' of 'Emission'", told)
 
     def test_node_groups_are_looked_through(self):
-        """A material of a group with an input, in a group: the text is that of the same nodes without groups."""
+        """A material of nested groups with an input: the text is the same without groups."""
         texts = []
         for depth in range(3):
             scenes.clear()
@@ -252,7 +252,7 @@ class Addon(unittest.TestCase):
 
     @staticmethod
     def grouped(tree, node, invert, depth):
-        """Puts the shader, and the inversion of its colour, into groups of groups, which take factor and colour."""
+        """Moves the shader, and the inversion of its colour, into nested groups with the inputs factor and colour."""
         image = invert.inputs["Color"].links[0].from_socket
         group = bpy.data.node_groups.new("inner", "ShaderNodeTree")
         group.inputs.new("NodeSocketFloat", "Factor")
@@ -286,7 +286,7 @@ class Addon(unittest.TestCase):
         tree.nodes.remove(invert)
 
     def test_metaballs_are_metaballs(self):
-        """The field of the file's balls is at its threshold where Blender's own surface is."""
+        """The field of the file's balls has the threshold value on Blender's own surface."""
         scenes.clear()
         for i, (place, settings) in enumerate((((0, 0, 0), {}), ((1.3, 0.2, 0.1), {"radius": 1.5, "stiffness": 3}),
                                                ((0.5, 0.9, 0), {"radius": 0.8, "use_negative": True}))):
@@ -368,7 +368,7 @@ class Addon(unittest.TestCase):
         self.assertTrue((lower < (-1, -2, -3)).all() and (upper > (4, 2, 3)).all())
 
     def test_noise_over_uv_is_blenders(self):
-        """The baked values, and those of Cycles from a picture that looks at a plane."""
+        """The baked values, and the values of Cycles from a picture of a plane."""
         scenes.clear()
         made, node = scenes.material("stone", "ShaderNodeEmission", Strength=1.0)
         tree = made.node_tree
@@ -409,7 +409,7 @@ class Addon(unittest.TestCase):
         self.assertEqual(changed.count("ObjectInstance"), 98)
 
     def test_cameras_of_every_kind_see_the_same_thing(self):
-        """A lamp of a pixel's size is where Blender's own camera model says."""
+        """A lamp of a pixel's size is at the position of Blender's own camera model."""
         from bpy_extras.object_utils import world_to_camera_view
         from mathutils import Vector
         for kind, settings in (("PERSP", {"lens": 30, "shift_x": 0.1, "shift_y": -0.05}),
@@ -440,7 +440,7 @@ class Addon(unittest.TestCase):
         picture = tree.nodes.new("ShaderNodeTexEnvironment")
         picture.image = sky
         tree.links.new(picture.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-        # Blender's panorama of an untouched sky, looking along +y, is the sky turned by a quarter.
+        # Blender's panorama of a sky without rotation, looking along +y, is the sky rotated by 90 degrees.
         camera = scenes.camera((0, 0, 0), (0, 1, 0), type="PANO")
         camera.data.cycles.panorama_type = "EQUIRECTANGULAR"
         scene = self.small()
@@ -471,7 +471,7 @@ class Addon(unittest.TestCase):
 
 
 def scene_folder():
-    """Where the engine writes."""
+    """Output files of the engine."""
     from recurse_blender.engine import RecurseRenderEngine
     return RecurseRenderEngine.folder()
 

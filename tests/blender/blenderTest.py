@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The add-on from outside of Blender: blenderTest.py BLENDER SOURCE-FOLDER PROGRAM."""
+"""Tests of the add-on outside of Blender: blenderTest.py BLENDER SOURCE-FOLDER PROGRAM."""
 import json
 import os
 import subprocess

@@ -21,7 +21,7 @@ os.environ["RECURSE"] = PROGRAM
 
 
 def rendered(engine, name):
-    """Channels of the picture, and the seconds that it took."""
+    """Channels of the picture, and the time of its render [s]."""
     scene = bpy.context.scene
     scene.render.engine = engine
     scene.recurse.samples = int(SAMPLES)
@@ -41,7 +41,7 @@ def rendered(engine, name):
 
 
 def main():
-    """Each scene by both."""
+    """Renders each scene by both."""
     recurse_blender.register()
     os.makedirs(OUTPUT, exist_ok=True)
     results = {}

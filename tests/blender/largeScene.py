@@ -1,4 +1,4 @@
-"""Runs in Blender: writes a large scene by the add-on, and prints as JSON how long that took.
+"""Runs in Blender: writes a large scene by the add-on, and prints the time as JSON.
 
 blender -b --factory-startup --python largeScene.py -- ADD-ON-FOLDER OUTPUT-FOLDER TRIANGLES INSTANCES
 """

@@ -19,14 +19,14 @@ def clear():
 
 
 def world_colour(colour, strength=1):
-    """The colour of the surroundings."""
+    """Sets the colour of the surroundings."""
     background = bpy.context.scene.world.node_tree.nodes["Background"]
     background.inputs["Color"].default_value = (*colour, 1)
     background.inputs["Strength"].default_value = strength
 
 
 def camera(place, target, **settings):
-    """The camera, which looks from place to target."""
+    """Adds the camera at a position, looking at target."""
     data = bpy.data.cameras.new("Camera")
     for name, value in settings.items():
         setattr(data, name, value)
@@ -122,7 +122,7 @@ def every_lamp():
 
 
 def every_material():
-    """Balls of many materials under an even sky."""
+    """Balls of many materials under a uniform sky."""
     clear()
     world_colour((0.8, 0.9, 1.0), 0.7)
     lamp("AREA", (0, -4, 6), 500, shape="SQUARE", size=3)
@@ -201,7 +201,7 @@ def textured_room():
 
 
 def instances():
-    """A collection that is placed many times, and linked copies."""
+    """A collection with many instances, and linked copies."""
     scene = clear()
     floor((0.5, 0.5, 0.4), 30)
     world_colour((0.6, 0.7, 0.9))
@@ -238,7 +238,7 @@ def hair():
 
 
 def volumes():
-    """Fog that scatters, and a ball that absorbs."""
+    """Scattering fog, and an absorbing ball."""
     clear()
     floor()
     world_colour((0.6, 0.7, 0.8))
@@ -251,7 +251,7 @@ def volumes():
 
 
 def depth_of_field():
-    """A row of cubes, of which the middle one is in focus."""
+    """A row of cubes with the middle one in focus."""
     clear()
     floor((0.5, 0.5, 0.5), 40)
     world_colour((0.4, 0.5, 0.6))
@@ -264,7 +264,7 @@ def depth_of_field():
 
 
 def motion():
-    """A cube that flies and a camera that stands still."""
+    """A moving cube and a static camera."""
     scene = clear()
     floor()
     world_colour((0.3, 0.3, 0.3))

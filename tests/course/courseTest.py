@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds doc-files/course as students do, and with the solutions, and tests what its checks say.
+"""Builds doc-files/course as students do, and with the solutions, and tests the output of its checks.
 
   courseTest.py SOURCE_DIR BUILD_DIR PREFIX [CMAKE OPTION...]
 
@@ -27,7 +27,7 @@ LOADER.exec_module(handout)
 EXERCISES = {"path": "pathTracer.cpp", "photons": "photonMapper.cpp"}
 GAPS = {"path": 10, "photons": 8}
 
-# Wrong fillings of gaps: (statement, what the hint must say), and 1 for the second function of a gap.
+# Wrong fillings of gaps: (statement, pattern of the hint), and 1 for the second function of a gap.
 WRONG = {
     "path": {
         1: [("return lampRadiance;", "nothing behind"),
@@ -153,7 +153,7 @@ RIGHT = {
                      " return s.surface ? surface.colour * (2 * d.z) * s.weight * estimate(*s.surface) : BLACK; }"],
 }
 
-# Gaps whose check needs another one.
+# Gaps whose check needs a second gap.
 DEPENDENT = {("path", 9): {10: "waits its weights are those of gap 9, which is open"}}
 
 
@@ -165,7 +165,7 @@ NUMBERS = {key: number for number, key in enumerate(
 
 
 def switched(exercise, text):
-    """A solved file in which each gap can be opened, or filled wrongly, by a switch."""
+    """Solved file with switches that open each gap, or fill it wrongly."""
     filled = []
 
     def fill(gap, indent, solution, statement):
@@ -220,7 +220,7 @@ def verdicts(output):
 
 
 def answers(commands):
-    """What the program with switches says: commands are (command, exercise, openings)."""
+    """Output of the program with switches: commands are (command, exercise, openings)."""
     commands = list(commands)
     lines = [" ".join([command, exercise, *(str(NUMBERS[opening]) for opening in openings)])
              for command, exercise, openings in commands]

@@ -1,4 +1,4 @@
-"""Headless Chromium, driven over its debugging pipe. Nothing but Python and Chromium is needed."""
+"""Headless Chromium, driven over its debugging pipe. It needs only Python and Chromium."""
 
 import fcntl
 import json
@@ -24,7 +24,7 @@ class BrowserError(Exception):
 
 
 class Browser:
-    """One page in a browser with a profile of its own. Remembers what the console and the network say."""
+    """One page in a browser with a separate profile. Records messages of the console and the network."""
 
     def __init__(self):
         program = next(filter(None, map(shutil.which, NAMES)), None)
@@ -33,7 +33,7 @@ class Browser:
         self.profile = tempfile.mkdtemp(prefix="recurse-page-test-")
         self.complaints, self.requests = [], []
         self.count, self.buffer, self.session = 0, b"", None
-        # The browser reads descriptor 3 and writes 4; taken here, they cannot become those of the pipes.
+        # The browser reads descriptor 3 and writes 4: both are reserved, so that pipes get different ones.
         taken = [os.open(os.devnull, os.O_RDONLY) for _ in range(10)]
         commandRead, self.commands = self.highPipe()
         self.answers, answerWrite = self.highPipe()
@@ -122,7 +122,7 @@ class Browser:
             time.sleep(0.05)
 
     def settle(self):
-        """Until what was asked for has been drawn."""
+        """Waits until the requested changes have been drawn."""
         self.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
     def clickAt(self, x, y):
@@ -131,7 +131,7 @@ class Browser:
         self.settle()
 
     def click(self, element):
-        """A real click into the middle of an element, which is given as a JavaScript expression."""
+        """Clicks with the mouse into the middle of an element, given as a JavaScript expression."""
         box = self.evaluate(f"(() => {{ const e = {element}; e.scrollIntoView({{block: 'nearest'}});"
                             "const b = e.getBoundingClientRect();"
                             "return [b.left + b.width / 2, b.top + b.height / 2]; })()")

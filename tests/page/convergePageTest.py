@@ -25,7 +25,7 @@ class ConvergePage(OfflinePage):
         return browser.evaluate(f"(() => {{ const chart = Chart.getChart('plot'); return {expression}; }})()")
 
     def stageColour(self, x, y):
-        """Of the stage, at fractions of its size."""
+        """Colour of the stage at fractions of its size."""
         return browser.evaluate(
             "(() => { const v = document.getElementById('view'), copy = document.createElement('canvas');"
             "copy.width = copy.height = 1; const c = copy.getContext('2d');"
@@ -45,11 +45,11 @@ class ConvergePage(OfflinePage):
             self.assertAlmostEqual(data["y"] / float(point["relmse_noise_free"]), 1, 6)
         self.assertEqual(self.chart("[chart.scales.x.type, chart.scales.y.type]"), ["logarithmic"] * 2)
         labels = self.chart("chart.data.datasets.map((d) => d.label)")
-        # Renders so short may take the same time, which has no slope; convergeTest.cpp has given times.
+        # Such short renders may take the same time, which gives no slope; convergeTest.cpp uses given times.
         self.assertRegex(labels[0], r"^path  (t\^|no fit)")
         self.assertEqual(labels[-2:], ["∝ t^-1", "∝ t^-2/3"])
         self.assertEqual(self.chart("chart.data.datasets[1].data.length"), 6)  # three budgets, two seeds
-        # A line of slope -1, whatever its length.
+        # A line of slope -1 of any length.
         line = self.chart("chart.data.datasets.at(-2).data")
         self.assertAlmostEqual(line[0]["x"] * line[0]["y"] / (line[1]["x"] * line[1]["y"]), 1, 6)
 
@@ -75,7 +75,7 @@ class ConvergePage(OfflinePage):
         self.assertEqual(self.text("#nameA"), "reference")
         lit = self.stageColour(0.45, 0.5)
         self.assertGreater(sum(lit[:3]), 60)
-        # The error of the reference against itself is none: the darkest colour of the scale.
+        # The error of the reference against itself is zero: the darkest colour of the scale.
         self.set("show", "error")
         self.assertEqual(self.stageColour(0.45, 0.5)[:3], browser.evaluate(
             "JSON.parse(document.getElementById('data').textContent).colours[0]"))

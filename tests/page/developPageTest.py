@@ -45,7 +45,7 @@ class DevelopPage(unittest.TestCase):
         self.assertEqual([url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))], [])
 
     def shown(self, pixel):
-        """The colour in the middle of a pixel, in the window; the picture is fitted into the stage."""
+        """Colour of the window at the centre of a pixel; the picture is fitted into the stage."""
         return browser.evaluate(
             "(() => { const v = document.getElementById('view'), d = v.width / v.getBoundingClientRect().width;"
             "const zoom = parseInt(document.getElementById('zoomText').textContent) / 100;"

@@ -40,7 +40,7 @@ class InspectPage(OfflinePage):
         browser.settle()
 
     def clickPixel(self, x, y):
-        """Of the picture, which is as wide as high."""
+        """Colour of the picture, which is square."""
         browser.clickAt(*browser.evaluate(
             "(() => { const c = document.getElementById('picture'); c.scrollIntoView({block: 'nearest'});"
             "const b = c.getBoundingClientRect(), s = Math.min(b.width, b.height);"
@@ -48,7 +48,7 @@ class InspectPage(OfflinePage):
             "})()"))
 
     def colours(self):
-        """How many different colours the view shows."""
+        """Number of different colours in the view."""
         return browser.evaluate(
             "(() => { const v = document.getElementById('view'), c = document.createElement('canvas').getContext('2d');"
             "c.canvas.width = c.canvas.height = 64; c.drawImage(v, 0, 0, 64, 64);"
@@ -179,7 +179,7 @@ class InspectPage(OfflinePage):
         self.change("flightClass", "value", "all")
 
     def test7TheBoxesOfTheTreeBoundThePhotons(self):
-        """The photons are all on the page, in the order of the tree, so that a box's are the next of its map."""
+        """The page has all photons in the order of the tree, so that each box has the next ones of its map."""
         self.assertEqual(self.data["photons"]["count"], self.data["photons"]["inMap"])
         bounds, levels = self.decoded("boxes", "bounds", type="f"), self.decoded("boxes", "levels", type="B")
         caustic, sizes = self.decoded("boxes", "caustic", type="B"), self.decoded("boxes", "photons", type="I")
@@ -233,7 +233,7 @@ class InspectPage(OfflinePage):
             self.assertGreater(self.ink("curve"), 500)
 
     def ink(self, canvas):
-        """How many pixels of a canvas are not empty."""
+        """Number of pixels of a canvas that are not empty."""
         return browser.evaluate(
             f"(() => {{ const from = document.getElementById('{canvas}'), c = document.createElement('canvas');"
             "const context = c.getContext('2d', { willReadFrequently: true });"
@@ -357,7 +357,7 @@ class LightPathsOfBothSides(OfflinePage):
         word, objects, segments = self.drawPathsOf("connection")
         self.assertRegex(word, "^L[SD]*DD[SD]*E$")
         self.assertIn("light path", objects)
-        self.assertEqual(segments, len(word) - 1)  # an edge between each two vertices
+        self.assertEqual(segments, len(word) - 1)  # an edge for each pair of successive vertices
 
     def test2MergesOfVcm(self):
         self.open("vcm")
@@ -457,7 +457,7 @@ class RadiosityPage(OfflinePage):
         listed = [float(text) for text in self.texts("#factors tr td:nth-child(2)")]
         self.assertEqual(listed, sorted(listed, reverse=True))
         self.assertGreater(len(listed), 3)
-        # The next patch of the list is chosen by a click.
+        # A click chooses the next patch of the list.
         browser.evaluate("document.getElementById('factors').rows[1].click()")
         browser.settle()
         self.assertNotEqual(int(browser.evaluate("document.getElementById('view').dataset.patch")), patch)

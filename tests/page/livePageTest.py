@@ -1,6 +1,6 @@
 """The page of `recurse render --live` in headless Chromium: python3 livePageTest.py PROGRAM.
 
-It must show the picture as it grows, as the program develops it, tell the values of its pixels, and stop the render.
+It must show the growing picture as developed by the program and the values of its pixels, and stop the render.
 """
 
 import json
@@ -26,7 +26,7 @@ SIZE = 32
 
 
 class Render:
-    """A render under way with a page."""
+    """A running render with a page."""
 
     def __init__(self, *options, integrator="path"):
         self.folder = tempfile.TemporaryDirectory(prefix="recurse-live-page-")
@@ -75,7 +75,7 @@ class LivePage(Page):
         self.assertTrue(self.render.url.startswith("http://127.0.0.1:"))
 
     def tearDown(self):
-        browser.call("Page.navigate", url="about:blank")  # else the page asks the next render
+        browser.call("Page.navigate", url="about:blank")  # otherwise the page would query the next render
         browser.settle()
         self.render.close()
 
@@ -95,7 +95,7 @@ class LivePage(Page):
         self.assertGreater(float(self.text("#samples")), 0)
         self.assertRegex(self.text("#left"), r"\d")
 
-        # Brighter by the slider, and as the program itself develops it.
+        # The slider makes the picture brighter, equal to the program's own development.
         dark = sum(self.shownPixel(9, 24))
         browser.evaluate("document.getElementById('exposure').value = 2,"
                          "document.getElementById('exposure').dispatchEvent(new Event('input'))")
@@ -108,7 +108,7 @@ class LivePage(Page):
         for value, byte in zip(linear, shown):
             x = min(value * 2 ** stops, 1)
             expected = 255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055)
-            self.assertAlmostEqual(byte, expected, delta=12)  # the picture grows between the questions
+            self.assertAlmostEqual(byte, expected, delta=12)  # the picture changes between the queries
 
         # Values of a pixel.
         browser.clickAt(*self.place((9, 24), SIZE))
@@ -121,7 +121,7 @@ class LivePage(Page):
 
         until(showsItsValue)
 
-        # The button ends the render, which writes what there is.
+        # The button ends the render, which writes its picture.
         browser.click("document.getElementById('stop')")
         self.assertEqual(self.render.wait(), 130)
         self.assertTrue(os.path.exists(self.render.output))
@@ -140,7 +140,7 @@ class LivePage(Page):
         before = browser.evaluate("document.body.dataset.answered ?? ''")
         browser.clickAt(*self.place((x, y), SIZE))
         until(lambda: browser.evaluate("document.body.dataset.answered ?? ''") != before)
-        # One expression: between two, the frame may replace the page of the pixel before.
+        # A single expression, because between two the frame may replace the page of the previous pixel.
         until(lambda: self.inFrame("d?.body?.dataset?.ready === 'yes'"
                                    f" && d.getElementById('pixelName')?.textContent === '{x}, {y}'"))
         return self.inFrame("JSON.parse(d.getElementById('data').textContent)")
@@ -150,7 +150,7 @@ class LivePage(Page):
         data = self.askPixel(9, 24)
         pixel, = data["pixels"]
         self.assertEqual((pixel["x"], pixel["y"]), (9, 24))
-        # The contributions of a sample are what it adds to the picture.
+        # The contributions of a sample add up to its value in the picture.
         self.assertGreater(len(pixel["samples"]), 0)
         for first, last, _, _, total in pixel["samples"]:
             for c in range(3):
@@ -164,7 +164,7 @@ class LivePage(Page):
         self.inFrame("d.getElementById('contributions').rows[1].click()")
         self.assertEqual(self.inFrame("d.getElementById('vertices').rows[1].cells[1].textContent"), "camera")
         self.assertGreater(self.inFrame("Number(d.getElementById('view').dataset.segments)"), 0)
-        # Another pixel has other paths; the render has gone on.
+        # A second pixel has different paths; the render has continued.
         other = self.askPixel(20, 9)["pixels"][0]
         self.assertNotEqual(other["samples"], pixel["samples"])
         before = self.render.state()["samples_per_pixel"]
@@ -200,7 +200,7 @@ class LivePage(Page):
                 self.render.get(path)
             self.assertIn(caught.exception.code, (400, 404), path)
             caught.exception.close()
-        # A page from elsewhere cannot stop it.
+        # A page of a different origin cannot stop it.
         request = urllib.request.Request(self.render.url + "stop", b"", {"Origin": "http://example.org"})
         with self.assertRaises(urllib.error.HTTPError) as caught:
             urllib.request.urlopen(request, timeout=60)

@@ -1,6 +1,6 @@
 """The page of `recurse compare --classes` in headless Chromium: python3 markingPageTest.py PROGRAM.
 
-It must load without errors and without any network, name what is wrong, and show where.
+It must load without errors and without any network, name the mistakes, and show their regions.
 """
 
 import json
@@ -17,7 +17,7 @@ class MarkingPage(OfflinePage):
         os.makedirs(cls.folder)
         stills, student = cls.folder + "/stills", cls.folder + "/student"
         recurse("stills", SCENE, "-o", stills, "-q", "--resolution", "64x48", "--spp", "32")
-        # Light that is mirrored or refracted onto matt surfaces is left out.
+        # The picture lacks light that mirrors or glass focus on matt surfaces.
         recurse("render", SCENE, "-o", student + ".exr", "-q", "--resolution", "64x48", "--spp", "16", "--seed", "2",
                 "--paths", "all - LS+DS*E")
         cls.page = cls.folder + "/marks.html"

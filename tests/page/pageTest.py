@@ -1,4 +1,4 @@
-"""What the tests of the pages share: the program to test, a scene, a browser, and how to read a page."""
+"""Shared functions of the tests of pages: the program to test, a scene, a browser, and queries of a page."""
 
 import atexit
 import json
@@ -45,7 +45,7 @@ class Page(unittest.TestCase):
         browser.settle()
 
     def place(self, pixel, size):
-        """Where the middle of a pixel is in the window; the picture of `size` squared is fitted into the stage."""
+        """Position of a pixel's centre in the window; the picture of `size` squared is fitted into the stage."""
         zoom, left, top, width, height = browser.evaluate(
             "(() => { const b = document.getElementById('view').getBoundingClientRect();"
             "return [parseInt(document.getElementById('zoomText').textContent) / 100,"
@@ -54,7 +54,7 @@ class Page(unittest.TestCase):
         return [origin[i] + (pixel[i] + 0.5) * zoom for i in (0, 1)]
 
     def colourAt(self, pixel, size):
-        """As the stage shows it once all is drawn, [r, g, b] of 0 to 255."""
+        """Colour of the stage after all drawing is finished, [r, g, b] of 0 to 255."""
         browser.settle()
         x, y = self.place(pixel, size)
         return browser.evaluate(
@@ -65,7 +65,7 @@ class Page(unittest.TestCase):
 
 
 class OfflinePage(Page):
-    """Of files in a folder: it loads without complaints and without any network. Subclasses write it in make()."""
+    """Page of files in a folder: it loads without errors and without any network. Subclasses write it in make()."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,6 +1,6 @@
 """The page of `recurse stills` in headless Chromium: python3 stillsPageTest.py PROGRAM.
 
-It must load without errors and without any network, and show at a pixel what the program says of stills.exr.
+It must load without errors and without any network, and show the same values of a pixel as the program for stills.exr.
 """
 
 import base64
@@ -19,7 +19,7 @@ TOLERANCE = 2 ** -11 + 5.1e-4
 
 
 def pixelOf(folder, pixel):
-    """{layer: [r, g, b]} of stills.exr, in the words of the program; the whole picture is layer ''."""
+    """{layer: [r, g, b]} of stills.exr, as the program prints it; the whole picture is layer ''."""
     out = {}
     for line in recurse("info", folder + "/stills.exr", "--pixel", "%d,%d" % pixel).splitlines():
         channel, value = line.split()
@@ -94,7 +94,7 @@ class StillsPage(OfflinePage):
             self.assertAlmostEqual(a, b, delta=TOLERANCE * abs(b) + 1e-9, msg=f"{what} {shown} {expected}")
 
     def assertShows(self, linear):
-        """The picture itself, not just the numbers beside it."""
+        """Checks the picture itself in addition to the numbers beside it."""
         exposure = float(self.text("#exposureText").replace("−", "-"))
         for shown, value in zip(self.colourAt(PIXEL, SIZE), linear):
             # The exposure is printed with one digit after the point.
@@ -199,7 +199,7 @@ class StillsPage(OfflinePage):
         for _ in range(25):
             browser.key(".")
         self.assertShows(path[""])
-        # A class is compared with the same class of the other.
+        # A class is compared with the same class of the second render.
         browser.click("document.querySelectorAll('#classes button')[1]")
         self.assertTrue(self.text("#nameB").startswith(self.names[1]), self.text("#nameB"))
         self.assertColours(self.values("#pixelCompared"), photons[self.names[1]])

@@ -44,7 +44,7 @@ Shape "sphere" "float radius" 1
 
 
 def room() -> recurse.Scene:
-    """The same scene built in code."""
+    """The scene ROOM built in code."""
     scene = recurse.Scene()
     scene.set_film(xresolution=24, yresolution=16)
     scene.set_camera("perspective", fov=40, look_at=[(0, 1, -6), (0, 1, 0), (0, 1, 0)])
@@ -58,7 +58,7 @@ def room() -> recurse.Scene:
 
 
 class InFolder(unittest.TestCase):
-    """A test in a folder of its own."""
+    """A test with a temporary folder."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -171,7 +171,7 @@ class Renders(InFolder):
         self.assertIn('<progress value="0.5000" max="1">', bar._repr_html_())
 
     def test_notebooks_get_one_bar_that_changes(self):
-        """IPython is a stand-in here: what a notebook shows and updates."""
+        """Output and updates in a notebook, with a substitute for IPython."""
         shown = unittest.mock.MagicMock()
         shell = unittest.mock.Mock(spec=["kernel"])
         modules = {"IPython": types.SimpleNamespace(get_ipython=lambda: shell),
@@ -229,7 +229,7 @@ class Renders(InFolder):
         self.interrupted(lambda: scene.photons(300_000_000))
 
     def test_interrupts_end_feature_layers(self):
-        """Each ray passes 1200 surfaces, and a layer takes 64 times as many rays as the picture."""
+        """Each ray crosses 1200 surfaces, and a layer takes 64 times as many rays as the picture."""
         scene = recurse.parse("""Film "rgb" "integer xresolution" 48 "integer yresolution" 48
 LookAt 0 0 -5  0 0 0  0 1 0
 Camera "perspective" "float fov" 10
@@ -260,7 +260,7 @@ MediumInterface "m" ""
             np.testing.assert_array_equal(lit["sample"], of["sample"])
             first = lit[lit["previous"] == -1]
             self.assertEqual(set(first["event"]), {b"E"})
-            np.testing.assert_allclose(first["position"][:, 1], 0, atol=1e-5)  # the floor is seen there
+            np.testing.assert_allclose(first["position"][:, 1], 0, atol=1e-5)  # the floor is visible there
         with self.assertRaisesRegex(recurse.Error, "pixel 99,0 is outside of the picture"):
             recurse.paths(room(), (99, 0), integrator="path")
 
@@ -305,7 +305,7 @@ Material "diffuse" "rgb reflectance" [ 0 0 0 ]
         np.testing.assert_array_equal(photons, scene.photons(2000))
 
     def test_photons_in_a_medium_carry_what_it_scatters(self):
-        """A lamp in the middle of a ball of fog: what is scattered first is known."""
+        """A lamp in the middle of a ball of fog: the power of first scattering events has a closed form."""
         scene = recurse.Scene()
         scene.set_film(xresolution=4, yresolution=4)
         scene.set_camera(look_at=[(0, 0, -9), (0, 0, 1), (0, 1, 0)])
@@ -365,7 +365,7 @@ class Pictures(InFolder):
 
 #: Parameters of which a plug-in needs one of several.
 NEEDED = {"points": {"P": [(0, 0, 0)], "radius": 1}}
-#: Parameters that others must go with.
+#: Parameters that require further ones.
 TOGETHER = {"v1": {"mapping": "planar"}, "v2": {"mapping": "planar"}, "sigma_a": {"sigma_s": 1}, "sigma_s": {"sigma_a": 1}}
 
 
@@ -384,7 +384,7 @@ class Guide(InFolder):
 
 class Notebooks(InFolder):
     def run_cells(self, name):
-        """The names that the code cells of a notebook leave, and the values that end cells."""
+        """Names that the code cells of a notebook define, and the values at the ends of cells."""
         with open(os.path.join(os.path.dirname(GUIDE), name), encoding="utf-8") as file:
             cells = json.load(file)["cells"]
         names, shown = {}, []
@@ -439,9 +439,9 @@ class PlugIns(unittest.TestCase):
             self.assertEqual(make().name, info["name"])
 
     def test_every_default_goes_through_the_text_of_a_scene(self):
-        """Parameters with default values are written such that the program takes them for the same."""
+        """The program reads written default values of parameters as equal to the defaults."""
         for info in recurse._core.plug_ins():
-            if info["kind"] not in ("Shape", "Material", "LightSource", "Texture"):  # the others go the same way
+            if info["kind"] not in ("Shape", "Material", "LightSource", "Texture"):  # all other kinds use the same code
                 continue
             if any(spec["required"] for spec in info["parameters"]):
                 continue
@@ -502,7 +502,7 @@ class PlugIns(unittest.TestCase):
             self.assertIn(plug_ins.python_name(info["name"]), functions)
 
     def test_stubs_have_all_of_the_module_in_cpp(self):
-        """Names of module and classes, and how many arguments their functions take."""
+        """Names of the module and its classes, with the numbers of arguments of their functions."""
         with open(os.path.join(os.path.dirname(recurse.__file__), "_core.pyi"), encoding="utf-8") as file:
             tree = ast.parse(file.read())
 
