@@ -56,7 +56,7 @@ def zonePlate():
 
 def slantedEdge():
     x = SIZE * math.tan(math.radians(EDGE_DEGREES))
-    return head("An edge that is nearly upright, so that its rows of pixels tell it at every distance.", "slanted-edge") + \
+    return head("An edge that is nearly upright, so that its rows of pixels sample it at every distance.", "slanted-edge") + \
         f'Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]\n  "point3 P" [ {-x:.6g} {-SIZE} 0  {2 * SIZE} {-SIZE} 0  ' \
         f'{2 * SIZE} {SIZE} 0  {x:.6g} {SIZE} 0 ]\n'
 
