@@ -423,6 +423,22 @@ TEST(BoundaryCorrection, NarrowGaps) {
   EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
 }
 
+TEST(BoundaryCorrection, ClearGlassAboveASurfaceIsNoGap) {
+  // The foot of a wine glass on a table: all light passes through it, so that supports keep their size.
+  const auto below = [](const std::string& material) {
+    return sceneOf(FLOOR + "Material \"" + material + "\"\n" +
+                   quad("-1 -1 .01  1 -1 .01  1 1 .01  -1 1 .01") +
+                   quad("-1 -1 .02  1 -1 .02  1 1 .02  -1 1 .02") + "Material \"diffuse\"\n" +
+                   quad("-1 -1 .05  1 -1 .05  1 1 .05  -1 1 .05"));
+  };
+  const Ray down{{.1f, .1f, .005f}, {0, 0, -1}};
+  EXPECT_NEAR(around(*below("dielectric"), down, .2f).clearance, .05f, 1e-5f);
+  EXPECT_NEAR(around(*below("thindielectric"), down, .2f).clearance, .05f, 1e-5f);
+  EXPECT_NEAR(around(*below("interface"), down, .2f).clearance, .05f, 1e-5f);
+  EXPECT_NEAR(around(*below("conductor"), down, .2f).clearance, .01f, 1e-5f);
+  EXPECT_NEAR(around(*below("diffuse"), down, .2f).clearance, .01f, 1e-5f);
+}
+
 /** A floor with a ceiling close above it, which reduces a support of .2 to the height of the gap. */
 class NarrowGap {
  public:

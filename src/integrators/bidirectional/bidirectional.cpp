@@ -11,8 +11,8 @@
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
-#include "transport/density/radiusCache.h"
 #include "transport/density/storedPhotons.h"
+#include "transport/direct/cameraPaths.h"
 #include "transport/direct/directLight.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
@@ -29,6 +29,38 @@ constexpr uint64_t BATCH = 4096;
 /** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
 
+/** Probes the surfaces around vertices of camera paths. Merges close to them need no probe rays of their own,
+ * which would be most of the rays. */
+RadiusCache probeSurfaces(const Scene& scene) {
+  constexpr int ACROSS = 64, MAX_DEPTH = 4, NEAREST = 12;
+  constexpr uint64_t STREAM = 0x4d45524745ull;
+  using Places = std::vector<Photon>;
+  const auto follow = [](Places& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                         TransportCounts&) {
+    CameraVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      if (vertex.isConnectable()) {
+        Photon& photon = found.emplace_back();
+        photon.position = vertex.point().position;
+        photon.direction = packDirection(vertex.wi);
+      }
+      if (!walker.scatter(path, vertex, sampler)) break;
+    }
+  };
+  TransportCounts counts;
+  Places all;
+  for (const Places& row : followCameraPaths(scene, ACROSS, MAX_DEPTH, STREAM, counts, Places(), follow))
+    all.insert(all.end(), row.begin(), row.end());
+  PhotonMap map;
+  map.build(all);
+  GatherSettings search;
+  search.nearest = NEAREST;
+  search.radius = scene.bounds().radius;
+  RadiusCache surfaces;
+  surfaces.build(scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
+  return surfaces;
+}
+
 } // namespace
 
 ParameterSpec guidedStartsParameter() {
@@ -43,6 +75,7 @@ void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
                                        : double(scene.film().width) * double(scene.film().height);
   if (scene.lights().size() == 0) lightPaths = 0;
   splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
+  surfaces = settings.merges && lightPaths > 0 && !scene.moves() ? probeSurfaces(scene) : RadiusCache();
 }
 
 double Bidirectional::mergeRadius(double footprint) const {

@@ -6,6 +6,7 @@
 
 #include "integrators/bidirectional/lightSubpaths.h"
 #include "recurse/scene/parameters/parameters.h"
+#include "transport/density/radiusCache.h"
 #include "transport/photonmap/photonMap.h"
 
 namespace recurse {
@@ -75,6 +76,7 @@ class Bidirectional : public Integrator {
   BidirectionalSettings settings;
   LightSampler lights;
   EmissionMixture starts; ///< not active unless `guided`
+  RadiusCache surfaces;   ///< surface geometry for merges; its radii are not used
   double lightPaths = 0;  ///< number in each pass
   bool splatted = false;  ///< light paths are connected to the camera
   // State of the current pass:

@@ -258,7 +258,8 @@ class Bidirectional::CameraWalk {
     region.bothSides = (vertex.scattering->lobes() & TRANSMISSION) != 0;
     ++out.counts.gathers;
     if (!anyWithin(owner.photons, region)) return;
-    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_FORK)};
+    const CachedRadius surface = owner.surfaces.at(region.center, region.normal);
+    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_FORK), surface.known, surface.away};
     const float covered =
         coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
     supportArea = double(PI) * square(double(region.radius)) * double(covered);

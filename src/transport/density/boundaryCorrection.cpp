@@ -20,17 +20,28 @@ constexpr float GAP = 0.2f;
 
 bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes() & NON_DELTA_LOBES); }
 
-/** Finds the first surface along the ray that can hold photons; false if there is none. */
-bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
+/** Whether the surface casts a shadow: clear glass and boundaries of media without a material do not. */
+bool castsShadow(const Hit& hit) {
+  return hit.material && (hit.material->lobes() & ALL_LOBES) && !(hit.material->lobes() & REFRACTION);
+}
+
+/** Finds the first surface along the ray for which `stops` holds; false if there is none. */
+template <class Stops>
+bool intersectFirst(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts, const Stops& stops) {
   constexpr int MAX_PASSED = 8;
   for (int i = 0; i < MAX_PASSED; ++i) {
     if (!intersectPosition(scene, ray, hit, counts)) return false;
-    if (holdsPhotons(hit)) return true;
+    if (stops(hit)) return true;
     const float tMax = ray.tMax - hit.t;
     ray = spawn(hit.point, ray.direction);
     ray.tMax = tMax;
   }
   return false;
+}
+
+/** Finds the first surface along the ray that can hold photons; false if there is none. */
+bool intersectNonDelta(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
+  return intersectFirst(scene, ray, hit, counts, holdsPhotons);
 }
 
 /** Whether a ray along the surface hits a wall. Glass and water are walls: light differs on both sides. */
@@ -40,7 +51,7 @@ bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit&
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
 }
 
-/** Height from which rays are traced down to the surface: below any geometry above its centre. */
+/** Height from which rays are traced down to the surface: below any geometry above its centre but glass. */
 float freeHeight(const Neighbourhood& around, float radius) {
   return std::min(GAP * radius, around.clearance / 2);
 }
@@ -102,11 +113,10 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   const float low = std::max(RISE * region.radius, 2 * error);
   lookAlong(low);
   found.depth = depthBelow(scene, region.center, region.normal, error, found.heightKnown(), counts);
-  Hit above;
-  if (intersectPosition(scene,
-                        {region.center + region.normal * low, region.normal, found.heightKnown() - low},
-                        above, counts))
-    found.clearance = low + above.t;
+  const Vec3f start = region.center + region.normal * low;
+  if (Hit above;
+      intersectFirst(scene, {start, region.normal, found.heightKnown() - low}, above, counts, castsShadow))
+    found.clearance = glm::distance(region.center, above.point.position);
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
 }
 

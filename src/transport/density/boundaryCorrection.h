@@ -31,7 +31,8 @@ struct Neighbourhood {
   float reach = 0;  ///< distance up to which rays have probed [scene units]
   float flat = 0;   ///< radius in which the surface is flat and ends only at `planes`; 0: unknown
   float relief = 0; ///< maximum distance of the surface from the tangent plane within `flat`
-  /** Height of the nearest geometry above the point; infinite if it is more than heightKnown(). */
+  /** Height of the nearest surface above the point that casts a shadow, which clear glass does not; infinite
+   * if it is more than heightKnown(). */
   float clearance = INFINITE;
   /** Least depth of a second surface, which may be lit on the same side, below the point or below surface
    * points near by; infinite if it is more than heightKnown(). */
@@ -46,8 +47,8 @@ struct Neighbourhood {
     return std::all_of(planes.begin(), planes.begin() + planeCount,
                        [&](const BoundaryPlane& b) { return glm::dot(position, b.normal) > b.offset; });
   }
-  /** Whether the surface has no boundary within this distance, and no geometry is within heightKnown() above
-   * the point. */
+  /** Whether the surface has no boundary within this distance, and nothing casts a shadow from within
+   * heightKnown() above the point. */
   bool isWholeWithin(float distance) const {
     return distance <= flat && planeCount == 0 && clearance == INFINITE;
   }
@@ -92,9 +93,10 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
  * room. Returns the fraction of the kernel's weight over the whole support that is then on a surface which
  * can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge; never 0, and 1 if
  * probes find no surface. A support is reduced first if very little of it is surface, if its surface bends
- * away, or if it is in a gap of less than half its radius. It is flattened if it would reach a different
- * surface below. Where the surface is not known to be flat, the fraction is estimated at eight points (16
- * once reduced): exact on a plane, about .1 off elsewhere. `error`: bound of the centre's position error.
+ * away, or if it is in a gap of less than half its radius below a surface that casts a shadow. It is
+ * flattened if it would reach a different surface below. Where the surface is not known to be flat, the
+ * fraction is estimated at eight points (16 once reduced): exact on a plane, about .1 off elsewhere.
+ * `error`: bound of the centre's position error.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
                       TransportCounts& counts);
