@@ -121,9 +121,9 @@ ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSam
     else
       c = middle + 1;
   }
-  const double below = c > 0 ? upTo(context, c - 1) : 0, part = upTo(context, c) - below;
-  const auto [light, probability] =
-      chooseBelow(clusters[c], context.position, (double(u) - below) / part, part, u);
+  const double below = c > 0 ? upTo(context, c - 1) : 0, clusterProbability = upTo(context, c) - below;
+  const auto [light, probability] = chooseBelow(
+      clusters[c], context.position, (double(u) - below) / clusterProbability, clusterProbability, u);
   return {&lights[order[light]], static_cast<float>(probability), order[light]};
 }
 
@@ -349,8 +349,8 @@ void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const
 void LightSampler::look(const Scene& scene, uint32_t index, Found& found) const {
   Sampler sampler(0, LOOK_STREAM, index);
   BsdfArena arena;
-  const Vec2f across(scene.film().width, scene.film().height);
-  CameraSample sample{sampler.next2D() * across};
+  const Vec2f filmSize(scene.film().width, scene.film().height);
+  CameraSample sample{sampler.next2D() * filmSize};
   if (scene.camera().usesLens()) sample.lens = sampler.next2D();
   if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
   const std::optional<CameraRay> seen = scene.camera().validRay(sample);
