@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <vector>
 
@@ -15,6 +16,7 @@
 
 #include "apps/commands/commands.h"
 #include "apps/help/quickStart.h"
+#include "apps/load/modelScene.h"
 #include "apps/options/manual.h"
 #include "apps/options/optionText.h"
 #include "apps/options/suggestions.h"
@@ -67,29 +69,47 @@ std::string wrapped(const std::string& help) {
   return out;
 }
 
-/** Suggestion for the first word that the command does not know: an option, or before any subcommand the name
- * of one. */
-std::string nearestTo(const CLI::App& command, const std::vector<std::string>& words) {
-  const auto isIn = [](const std::vector<Described>& list, const std::string& word) {
-    return std::any_of(list.begin(), list.end(), [&](const Described& one) { return one.first == word; });
-  };
-  std::vector<Described> options, commands;
+/** Names of the command's long options without hyphens, or of its subcommands, each with its description. */
+std::vector<Described> describedOptions(const CLI::App& command) {
+  std::vector<Described> out;
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames())
-      options.emplace_back(name, option->get_description());
+    for (const std::string& name : option->get_lnames()) out.emplace_back(name, option->get_description());
+  return out;
+}
+std::vector<Described> describedSubcommands(const CLI::App& command) {
+  std::vector<Described> out;
   for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; }))
-    commands.emplace_back(sub->get_name(), sub->get_description());
-  for (const std::string& given : words) {
-    const std::string word = given.substr(0, given.find('='));
-    if (!word.starts_with("--")) {
-      if (!commands.empty()) return suggestion(word, commands);
-      continue;
-    }
-    const std::string name = word.substr(2);
-    if (isIn(options, name)) continue;
-    return suggestion(name, options, "--");
+    out.emplace_back(sub->get_name(), sub->get_description());
+  return out;
+}
+
+/** True for an existing file and for a name with an extension of scene files. */
+bool looksLikeScene(const std::string& word) {
+  std::error_code ignored;
+  return isSceneFile(word) || isModelFile(word) || std::filesystem::is_regular_file(word, ignored);
+}
+
+/** Message about arguments that the command does not accept. `words`: in the order of the command line. */
+std::string unexpectedText(const CLI::App& command, const std::vector<std::string>& words) {
+  const auto isOption = [](const std::string& word) { return word.size() > 1 && word[0] == '-'; };
+  const std::vector<Described> subcommands = describedSubcommands(command);
+  const auto word = words.empty() || isOption(words.front())
+                        ? std::find_if(words.begin(), words.end(), looksLikeScene)
+                        : words.begin();
+  if (!subcommands.empty() && word != words.end()) {
+    if (looksLikeScene(*word))
+      return "'" + *word + "' is not a subcommand. To render: recurse render " + shellQuoted(*word) + " -o " +
+             shellQuoted(std::filesystem::path(*word).stem().stem().string() + ".png");
+    return "unknown subcommand '" + *word + "'" + suggestion(*word, subcommands);
   }
-  return {};
+  if (const auto option = std::find_if(words.begin(), words.end(), isOption); option != words.end()) {
+    const std::string name = option->substr(0, option->find('='));
+    return "unknown option " + name +
+           (name.starts_with("--") ? suggestion(name.substr(2), describedOptions(command), "--") : "");
+  }
+  std::string list;
+  for (const std::string& given : words) list += (list.empty() ? "" : " ") + shellQuoted(given);
+  return (words.size() == 1 ? "unexpected argument: " : "unexpected arguments: ") + list;
 }
 
 ExitStatus run(int argc, char** argv) {
@@ -146,8 +166,9 @@ ExitStatus run(int argc, char** argv) {
     const CLI::App* at = &app;
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
-    const std::string near = nearestTo(*at, std::vector<std::string>(argv + 1, argv + argc));
-    return sayError(error.what() + near + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
+    const bool isUnexpected = dynamic_cast<const CLI::ExtrasError*>(&error);
+    const std::string message = isUnexpected ? unexpectedText(*at, app.remaining(true)) : error.what();
+    return sayError(message + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
   }
   return chosen();
 }

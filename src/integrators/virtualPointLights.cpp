@@ -6,6 +6,7 @@
 #include <set>
 
 #include "recurse/core/io/text.h"
+#include "recurse/core/threads/processorTime.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/localShading.h"
@@ -71,7 +72,7 @@ class VirtualPointLights final : public Integrator {
   bool passHasOneTime() const override { return true; }
   void prepare(const Scene& scene, const PathClasses&) override {
     lights.learn(scene);
-    // Default: side of the region for each light path in a square of the scene's extent.
+    // Default clamp distance: scene radius / sqrt(light paths), about the spacing of light paths.
     const float distance = settings.clampChosen
                                ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))
                                : settings.clampDistance;
@@ -87,10 +88,11 @@ class VirtualPointLights final : public Integrator {
     if (pass.index == 0) {
       guide = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
       if (guide.active())
-        statistics.notes.push_back(formatted("virtual lights: %.0f %% of the light paths start towards "
-                                             "surfaces and openings that camera paths meet",
+        statistics.notes.push_back(formatted("virtual lights: %.0f %% of the light paths are aimed at "
+                                             "visible surfaces and openings",
                                              100 * guide.boxPart()));
     }
+    const auto start = std::chrono::steady_clock::now();
     if (control.lightPaths) control.lightPaths->beginPass(static_cast<uint64_t>(settings.lightPaths));
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i) {
       RecordedWalk record(control.lightPaths, static_cast<uint64_t>(i),
@@ -101,6 +103,7 @@ class VirtualPointLights final : public Integrator {
     }
     statistics.photonsEmitted = static_cast<uint64_t>(settings.lightPaths);
     statistics.photonsStored = virtualLights.size();
+    statistics.shootSeconds = secondsSince(start);
     return statistics;
   }
 

@@ -66,7 +66,7 @@ class RgbGrid final : public Medium {
       std::vector<Rgbd> values = p.spectra(name);
       for (Rgbd& v : values) {
         v *= scale;
-        if (!(maxComponent(v) <= 1e18)) // squares fit
+        if (!(maxComponent(v) <= 1e18)) // so that their squares fit in a float
           p.fail(name, "the values are too high for single precision", "values times scale below 1e18");
       }
       return readGrid<Rgb>(p, name, values);

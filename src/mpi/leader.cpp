@@ -223,7 +223,7 @@ class Leader {
       any = false;
       for (int r = 0; r < int(ranks.size()) && !queue.empty(); ++r) any = dealTo(r) || any;
     }
-    // The remaining units would take longer than the time limit allows.
+    // No remaining unit fits into the time limit.
     if (!queue.empty() && unitsOut() == 0) reason = StopReason::TIME;
   }
   /** False if the rank has enough units, or no unit can be finished in time. */

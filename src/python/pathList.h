@@ -33,9 +33,9 @@ struct PathContributionRecord {
   int32_t technique; ///< PathTechnique
   std::array<char, MAX_PATH_LETTERS> path; ///< events from `vertex` to the camera, then E; truncated
   float weight;                            ///< MIS weight
-  float pdf, otherPdf;                     ///< of the technique and its rival [1/sr]; 0: delta or unknown
-  std::array<float, 3> radiance;           ///< weight and throughput included
-  int32_t pathClass;                       ///< index of the first class of the path; -1: none
+  float pdf, otherPdf;           ///< density of this and the competing technique [1/sr]; 0: delta or unknown
+  std::array<float, 3> radiance; ///< weight and throughput included
+  int32_t pathClass;             ///< index of the first class of the path; -1: none
 };
 
 struct PathLists {

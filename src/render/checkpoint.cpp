@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
-const std::string MAGIC = "Recurse checkpoint 9\n";
+const std::string MAGIC = "Recurse checkpoint 10\n";
 /** Size of a header [bytes], above which the file is damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 
@@ -208,8 +208,8 @@ std::string missingSamples(const Checkpoint& c) {
   if (wanted == 0) return {};
   if (c.allocation)
     return c.position.sample < wanted ? "samples from " + std::to_string(c.position.sample) + " on" : "";
-  if (const auto go = c.identity.find("samples go"); go != c.identity.end() && go->second != ALL_ALIKE)
-    return {};
+  const auto distribution = c.identity.find("sample distribution");
+  if (distribution != c.identity.end() && distribution->second != UNIFORM_SAMPLES) return {};
   std::map<uint64_t, std::vector<Checkpoint::Part>> seeds;
   uint64_t each = 0;
   for (const Checkpoint::Part& p : c.parts) {

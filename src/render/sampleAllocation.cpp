@@ -26,7 +26,7 @@ constexpr int WIDE = 12;
 constexpr double RARE_WEIGHT = 0.01;
 /** Rounding step of predictions: errors of area sums must not let a pixel's own value influence its class. */
 constexpr double MIN_STEP = 1e-10;
-/** Mean square over squared mean, up to which deviations are not caused by rare samples. */
+/** Maximum ratio of mean square to squared mean of ordinary deviations; above it, rare samples cause them. */
 constexpr double EVEN_SPREAD = 2;
 /** Largest number of classes of pixels with a similar predicted variance. */
 constexpr size_t MAX_CLASSES = 64;

@@ -25,7 +25,7 @@ class Checkerboard final : public Texture {
   Rgb value(const SurfacePoint& point) const override {
     double wave = 1;
     if (mapping) {
-      const MappedPlace m = mapping->at(point);
+      const MappedCoordinates m = mapping->at(point);
       const Vec2f r = m.extent();
       for (int i = 0; i < 2; ++i) wave *= squareWave(double(m.st[i]), double(r[i]));
     } else {

@@ -19,7 +19,7 @@ class ImageMap final : public Texture {
         threshold(threshold) {}
 
   Rgb value(const SurfacePoint& point) const override {
-    const MappedPlace m = mapping.at(point);
+    const MappedCoordinates m = mapping.at(point);
     // The texture's t goes up from the lower edge of the picture.
     Rgb v = scale * image.at({m.st.x, 1 - m.st.y}, {m.alongX.x, -m.alongX.y}, {m.alongY.x, -m.alongY.y});
     if (!spectrum) v = Rgb(v.r);

@@ -68,6 +68,20 @@ TEST_F(BlackPicture, HasALampThatFacesAway) {
                       lamp("Translate 0 4 0 Rotate -90 1 0 0", "\"bool twosided\" true") + FLOOR));
 }
 
+TEST_F(BlackPicture, ShowsOnlyGlassInFrontOfNothing) {
+  // Few rays of a light this far away hit the ball, which it lights nevertheless.
+  for (const std::string from : {"0 3 0", "0 100 0"}) {
+    write("glass.pbrt",
+          seenFrom("0 0 -5  0 0 0  0 1 0", "LightSource \"point\" \"rgb I\" [ 9 9 9 ] \"point3 from\" [ " +
+                                               from + " ]\nMaterial \"dielectric\"\nShape \"sphere\"\n"));
+    const Outcome o =
+        run({"render", "glass.pbrt", "-q", "--spp", "1", "--integrator", "photonmap", "-o", "a.exr"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(has(o.err, "warning: the picture is black: the camera sees only glass and mirrors")) << o.err;
+    EXPECT_FALSE(has(o.err, "photon was stored") || has(o.err, "hits a surface")) << o.err;
+  }
+}
+
 TEST_F(BlackPicture, IsOfTheInsideOfASolid) {
   says(std::string(FILM) + "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nShape \"sphere\"\n",
        "inside of sphere");

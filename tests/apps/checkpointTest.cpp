@@ -251,8 +251,7 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
               "part of the picture");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--paths", "LDE"}), "path classes:");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--seed", "8"}), "seed 8");
-  expectError(resumed(adaptive(PATH)),
-              "samples go: to all pixels alike in the checkpoint, where the error is");
+  expectError(resumed(adaptive(PATH)), "sample distribution: uniform in the checkpoint, adaptive");
   write("scene.pbrt", scene() + "\n# another word\n");
   expectError(resumed(PATH), "scene files");
   write("scene.pbrt", scene());

@@ -40,7 +40,7 @@ TEST_F(FirstPicture, IsShownBeforePhotonsAreShot) {
   });
   EXPECT_EQ(o.status, 130) << o.err;
   EXPECT_EQ(shown, onePathSample());
-  EXPECT_TRUE(has(o.err, "was interrupted before \"photonmap\" had one sample of each pixel")) << o.err;
+  EXPECT_TRUE(has(o.err, "interrupted before photonmap had one sample of every pixel")) << o.err;
   EXPECT_EQ(readImage(file("out.exr")).pixels, shown);
 }
 
@@ -52,7 +52,7 @@ TEST_F(FirstPicture, TakesThePlaceOfOneThatIsNotReadyInTime) {
     if (!has(o.err, "before the scene was loaded")) break;
   }
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, "warning: the time limit ended before \"photonmap\" had one sample of each pixel"))
+  EXPECT_TRUE(has(o.err, "warning: time limit reached before photonmap had one sample of every pixel"))
       << o.err;
   EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"time\"")) << contents(file("s.json"));
   EXPECT_EQ(readImage(file("out.exr")).pixels, onePathSample());

@@ -226,11 +226,13 @@ TEST_F(Guide, FilesOfPbrtAreTakenWithTheWarningsOfThePage) {
 }
 
 TEST_F(Guide, CommandsOfThePagesHaveOptionsThatExist) {
-  std::vector<std::string> pages = {ROOT + "/README.md", ROOT + "/CONTRIBUTING.md"};
+  std::vector<std::string> pages = {
+      ROOT + "/README.md", ROOT + "/CONTRIBUTING.md", ROOT + "/doc-files/first-plug-ins.md",
+      ROOT + "/doc-files/first-estimator.md", ROOT + "/doc-files/course/README.md"};
   for (const auto& entry : std::filesystem::directory_iterator(ROOT + "/doc-files/guide"))
     if (entry.path().extension() == ".md") pages.push_back(entry.path().string());
-  ASSERT_GE(pages.size(), 14u);
-  const std::regex command(R"((?:^|[\n`] *)(?:recurse|scripts/render)( [^\n`#|&]*))"),
+  ASSERT_GE(pages.size(), 17u);
+  const std::regex command(R"((?:^|[\n`] *)(?:recurse|build/release/recurse|scripts/render)( [^\n`#|&]*))"),
       option(R"( (--?[a-z][a-z-]*))");
   std::map<std::string, std::string> help;
   int count = 0;

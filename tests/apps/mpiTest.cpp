@@ -178,7 +178,7 @@ TEST_F(Mpi, TimeLimitEndsTheFirstPassOfPhotons) {
               0)
         << log();
     EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"time\"")) << log();
-    EXPECT_TRUE(has(log(), "before \"photonmap\" had one sample of each pixel")) << log();
+    EXPECT_TRUE(has(log(), "before photonmap had one sample of every pixel")) << log();
   }
 }
 

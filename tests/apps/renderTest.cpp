@@ -167,7 +167,7 @@ TEST_F(ProgramRender, StatisticsTellWhatAutoHasChosen) {
   const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
   bool isTold = false;
   for (const std::string note : json["notes"])
-    isTold = isTold || note.starts_with("auto: photonmap, without a trial: the picture has fewer than 9216");
+    isTold = isTold || note.starts_with("auto uses photonmap: the picture (below 9216 pixels) is too small");
   EXPECT_TRUE(isTold) << o.err;
 }
 

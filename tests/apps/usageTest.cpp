@@ -32,6 +32,14 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"rendre", "scene.pbrt"}, "did you mean render?"},
       {{"rendr", "scene.pbrt", "--spp", "4"}, "did you mean render?"},
+      {{"scene.pbrt"}, "To render: recurse render scene.pbrt -o scene.png"},
+      {{"missing.pbrt.gz", "--spp", "4"}, "To render: recurse render missing.pbrt.gz -o missing.png"},
+      {{"-o", "a.png", "scene.pbrt"}, "To render: recurse render scene.pbrt"},
+      {{"--no-such-option"}, "unknown option --no-such-option\n"},
+      {{"render", "scene.pbrt", "--threads", "2"}, "unknown option --threads; did you mean --nthreads?"},
+      {{"render", "scene.pbrt", "--threads=2"}, "unknown option --threads; did you mean --nthreads?"},
+      {{"render", "scene.pbrt", "-x", "2"}, "unknown option -x\n"},
+      {{"render", "scene.pbrt", "first", "second"}, "unexpected arguments: first second\n"},
       {{"render"}, "required"},
       {{"render", "scene.pbrt", "--spp"}, "--spp"},
       {{"render", "scene.pbrt", "--spp", "0"}, "whole number from 1"},
@@ -115,6 +123,8 @@ TEST_F(ProgramUsage, ReferenceFindsWhatAWordMeansAndTheTextsThatHaveIt) {
       {"pinhole", {"\"float lensradius\""}},                               // a text of a parameter
       {"espresso", {"MakeNamedMedium \"homogeneous\" \"string preset\""}}, // a value of one
       {"finalgather", {"Integrator \"photonmap\" "}},                      // a parameter's name
+      {"motion blur", {"ActiveTransform", "\"float shutteropen\""}},
+      {"motion", {"TransformTimes"}},
       {"WorldEn", {}},
   };
   for (const auto& [word, parts] : cases) {
@@ -143,7 +153,31 @@ TEST_F(ProgramUsage, NamesOfOtherRenderersSuggestThePlugIn) {
                            "unknown LightSource \"area\"; did you mean AreaLightSource \"diffuse\"?",
                            "\"fog\"; did you mean \"homogeneous\" or \"uniformgrid\"?"})
     EXPECT_TRUE(has(o.err, part)) << part << "\n" << o.err;
-  EXPECT_TRUE(has(run({"render", "scene.pbrt", "--integrator", "pathtracer"}).err, "did you mean path?"));
+  for (const char* name : {"pathtracer", "pt"})
+    EXPECT_TRUE(has(run({"render", "scene.pbrt", "--integrator", name}).err, "did you mean path?")) << name;
+  EXPECT_TRUE(has(run({"render", "scene.pbrt", "--integrator", "photonma"}).err,
+                  "did you mean photonmap or simplephotonmap?"));
+  const std::vector<std::pair<std::string, std::string>> lines = {
+      {"LightSource \"ambient\"", "unknown LightSource \"ambient\"; did you mean \"infinite\"?"},
+      {"LightSource \"env\"", "unknown LightSource \"env\"; did you mean \"infinite\"?"},
+      {"AreaLightSource \"light\"\nShape \"sphere\"", "did you mean \"diffuse\"?"},
+      {"AreaLightSource \"mesh\"\nShape \"sphere\"", "did you mean \"diffuse\"?"},
+      {"Fog",
+       "unknown directive 'Fog'; did you mean MakeNamedMedium \"name\" \"string type\" \"homogeneous\""}};
+  for (const auto& [line, part] : lines) {
+    write("other.pbrt", scene("", line + "\n"));
+    const Outcome wrong = run({"render", "other.pbrt", "--check"});
+    EXPECT_EQ(wrong.status, 3) << line;
+    EXPECT_TRUE(has(wrong.err, part)) << line << "\n" << wrong.err;
+  }
+}
+
+TEST_F(ProgramUsage, UnknownTypeOfAnUnusedMediumIsWarnedOf) {
+  write("unused.pbrt", scene("", "MakeNamedMedium \"m\" \"string type\" \"fog\"\n"));
+  const Outcome o = run({"render", "unused.pbrt", "--check"});
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(has(o.err, "unused.pbrt:") && has(o.err, "warning: unknown medium type \"fog\"; did you mean"))
+      << o.err;
 }
 
 TEST_F(ProgramUsage, BadScenesAreStatus3WithPlaceAndCount) {
@@ -232,11 +266,16 @@ TEST_F(ProgramUsage, ExplainTellsWhatAutoChooses) {
                      "Material \"coateddiffuse\" \"float roughness\" .001\n"
                      "Shape \"sphere\" \"float radius\" .6\n");
   const std::string chosen = run({"explain", "coat.pbrt"}).out;
-  EXPECT_TRUE(has(chosen, "auto: path: in a trial") && !has(chosen, "photon map")) << chosen;
+  EXPECT_TRUE(has(chosen, "auto chose path: at equal cost") && !has(chosen, "photon map")) << chosen;
   const std::string forced = run({"explain", "coat.pbrt", "--set", "passes=1"}).out;
-  EXPECT_TRUE(has(forced, "auto: photonmap, without a trial: a single photon map is asked for")) << forced;
+  EXPECT_TRUE(has(forced, "auto uses photonmap: a single photon map is requested")) << forced;
   const std::string any = run({"explain", "--integrator", "auto"}).out;
   EXPECT_TRUE(has(any, "It chooses for each scene: photonmap; path;") && has(any, "photon map")) << any;
+  EXPECT_TRUE(has(any, "auto: default parameters\n") && !has(any, "nothing")) << any;
+  // Rows of media are for scenes with media, and for explanations without a scene.
+  EXPECT_TRUE(has(any, "shadow rays in media") && has(any, "light from emitting media")) << any;
+  EXPECT_TRUE(has(forced, "shadow rays") && !has(forced, "medi")) << forced;
+  EXPECT_TRUE(has(forced, "auto: passes 1, others default\n")) << forced;
 }
 
 TEST_F(ProgramUsage, ErrorsOfAllPartsOfASceneAreToldAtOnce) {

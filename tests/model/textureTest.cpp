@@ -210,7 +210,7 @@ TEST(TextureMapping, ChangesOverTheFootprintAreDerivatives) {
       EXPECT_NEAR(glm::length(axes.y), .01, 1e-5);
       EXPECT_NEAR(glm::dot(axes.x, p.geometricNormal), 0, 1e-6);
       EXPECT_NEAR(glm::dot(axes.x, axes.y), 0, 1e-7);
-      const MappedPlace found = mapping.at(p);
+      const MappedCoordinates found = mapping.at(p);
       for (const bool second : {false, true}) {
         const Vec3d along = second ? axes.y : axes.x;
         // The step in (u, v) solves du u + dv v = along.

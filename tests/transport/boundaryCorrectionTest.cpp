@@ -471,11 +471,11 @@ TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
   PhotonMap map;
   map.build(onFloor(1, 20000));
   gap.settings.weighedAgainstRays = true;
-  gap.settings.merging = 3;
+  gap.settings.mergeDensity = 3;
   float radiance = 0;
   const GatherResult result = gap.estimate(map, radiance);
   EXPECT_LT(result.radius, .05f);
-  EXPECT_NEAR(result.merging, 3 * PI * square(result.radius), 1e-6f);
+  EXPECT_NEAR(result.mergeDensity, 3 * PI * square(result.radius), 1e-6f);
 }
 
 TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {

@@ -59,7 +59,7 @@ TEST(EstimatorDomains, LobesAreSharedOnlyWhereTheyAreFollowed) {
   const auto shared = integratorFrom("photonmap", "\"integer passes\" 1")->domains();
   const auto alone =
       integratorFrom("photonmap", "\"integer passes\" 1 \"float followroughness\" 0")->domains();
-  EXPECT_EQ(shared.back().estimator, "paths that go on");
+  EXPECT_EQ(shared.back().estimator, "continued paths");
   EXPECT_EQ(shared.size(), alone.size() + 1);
   EXPECT_EQ(shared.back().expression,
             alone.back().expression); // paths that the map leaves to rays, a subset of its paths

@@ -53,12 +53,12 @@ AttributeEnd
 /** The note of auto about its choice. */
 std::string choiceOf(const Rendered& r) {
   for (const std::string& note : r.statistics.notes)
-    if (note.starts_with("auto: ")) return note;
+    if (note.starts_with("auto ")) return note;
   ADD_FAILURE() << "auto says nothing";
   return {};
 }
 
-bool isLeftToPaths(const Rendered& r) { return choiceOf(r).starts_with("auto: path"); }
+bool isLeftToPaths(const Rendered& r) { return choiceOf(r).starts_with("auto chose path"); }
 
 } // namespace
 

@@ -15,7 +15,8 @@ struct ClassesReport {
   struct Entry {
     PathClass pathClass;
     PathAutomaton automaton;
-    std::vector<std::string> examples; ///< words, shortest first; none only for a class without paths
+    std::vector<std::string>
+        examples; ///< example paths, e.g. LDE, shortest first; none only for a class without paths
   };
   std::vector<Entry> entries;
   std::vector<PathOverlap> overlaps; ///< all pairs of entries that share paths

@@ -107,8 +107,8 @@ class PathClasses {
   bool dead(LightState s) const { return lightDead[s.byte] != 0; }
   /** True when no light path completes the word of the camera walk: the camera path may end. */
   bool dead(CameraState s) const { return cameraDead[s.index] != 0; }
-  /** Whether some class contains a path from a light that reaches the last vertex of the camera walk without
-   * an event between, or with `throughPanes` by any number of S events. */
+  /** True if a class contains the path from a light straight to the last vertex of the camera walk, or with
+   * `throughPanes` through any number of S events. */
   bool isLit(CameraState s, bool throughPanes) const {
     return (cameraLit[s.index] & (throughPanes ? LIT_THROUGH_PANES : LIT)) != 0;
   }

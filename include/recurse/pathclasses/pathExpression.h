@@ -64,8 +64,8 @@ class PathAutomaton {
   /** The automaton in words: a line for each state from which a path can still be completed, cut off when
    * there are very many. */
   std::string describe() const;
-  /** Expression of the set without set operations; empty when none of up to `longest` characters was
-   * found, and where the set depends on names. */
+  /** Equivalent regular expression without ! & -; empty if none of up to `longest` characters was found, or
+   * if names occur. */
   std::string toExpression(size_t longest = 100) const;
 
   // The automaton itself: states are numbered in the order of first visit from `start()`, which is 0.

@@ -14,8 +14,8 @@
 
 namespace recurse {
 
-/** Value of the identity "samples go" for samples that are not adaptive. */
-inline const std::string ALL_ALIKE = "to all pixels alike";
+/** Value of the identity "sample distribution" for samples that are not adaptive. */
+inline const std::string UNIFORM_SAMPLES = "uniform";
 
 /** State of a render as a file contains it. */
 struct Checkpoint {

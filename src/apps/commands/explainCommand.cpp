@@ -4,6 +4,7 @@
 #include "apps/commands/commands.h"
 #include "apps/load/loadedScene.h"
 #include "apps/options/integratorOptions.h"
+#include "recurse/pathclasses/pathExpression.h"
 #include "recurse/render/render.h"
 #include "recurse/scene/directives/loader.h"
 #include "recurse/transport/integrator/estimatorDomains.h"
@@ -29,6 +30,16 @@ std::string chosenFor(const LoadedScene& loaded) {
   return text;
 }
 
+/** The estimators that find paths in a scene without media. */
+std::vector<EstimatorDomain> withoutMedia(std::vector<EstimatorDomain> domains) {
+  std::erase_if(domains, [](const EstimatorDomain& d) {
+    return d.fromMedia ||
+           PathAutomaton::compile("(" + d.expression + ") & surface", PathAutomaton::Empty::ALLOWED)
+               .isEmpty();
+  });
+  return domains;
+}
+
 ExitStatus explain(const ExplainOptions& o) {
   Diagnostics diagnostics;
   ParsedDirective fromFile;
@@ -37,9 +48,7 @@ ExitStatus explain(const ExplainOptions& o) {
   LoadedScene loaded; // outlives its integrator
   std::unique_ptr<Integrator> integrator = makeIntegrator(directive, false, diagnostics);
   diagnostics.throwIfErrors();
-  std::string text = directive.type;
-  for (const std::string& setting : settingsOf(directive)) text += "\n  " + setting;
-  text += "\n\n";
+  std::string text = integratorText(directive) + "\n\n";
   if (const std::string choices = integrator->choices(); !choices.empty()) {
     text += "It chooses for each scene: " + choices + ".\n";
     if (o.scene.empty()) {
@@ -51,7 +60,8 @@ ExitStatus explain(const ExplainOptions& o) {
     }
   }
   const std::vector<EstimatorDomain> domains = integrator->domains();
-  text += formatDomains(domains);
+  const bool hasNoMedia = loaded.scene && !loaded.scene->hasMedia();
+  text += formatDomains(hasNoMedia ? withoutMedia(domains) : domains);
   const std::string claims = integrator->claims();
   const DomainReport atSurfaces = checkDomains(domains, claims.empty() ? "surface" : claims),
                      everywhere = checkDomains(domains);

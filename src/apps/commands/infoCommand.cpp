@@ -15,8 +15,6 @@ namespace recurse::apps {
 
 namespace {
 
-bool isSceneFile(const std::string& name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
-
 std::string column(const std::string& text, size_t width) {
   return text.size() < width ? text + std::string(width - text.size(), ' ') : text + " ";
 }

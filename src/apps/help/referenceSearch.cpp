@@ -25,8 +25,11 @@ struct Match {
   int others = 0; ///< plug-ins of the same kind with the same parameter, besides the first
 };
 
-/** True if `wanted`, in lower case, occurs in the text at the beginning of a word. */
+/** True if `wanted`, in lower case, occurs in the text at the beginning of a word; if it has several words,
+ * true if each of them does. */
 bool hasWord(const std::string& text, const std::string& wanted) {
+  if (const size_t blank = wanted.find(' '); blank != std::string::npos)
+    return hasWord(text, wanted.substr(0, blank)) && hasWord(text, wanted.substr(blank + 1));
   const std::string lower = lowerCase(text);
   for (size_t at = lower.find(wanted); at != std::string::npos; at = lower.find(wanted, at + 1))
     if (at == 0 || std::isalnum(static_cast<unsigned char>(lower[at - 1])) == 0) return true;

@@ -288,12 +288,6 @@ std::string lightsText(const SceneContents& c) {
   return out.text.empty() ? "none: the picture will be black" : out.text;
 }
 
-std::string integratorText(const ParsedDirective& integrator) {
-  CommaList settings;
-  for (const std::string& setting : settingsOf(integrator)) settings.add(setting);
-  return integrator.type + (settings.text.empty() ? "" : ": " + settings.text);
-}
-
 std::string memoryText(const LoadedScene& loaded, size_t layers) {
   const Scene& scene = *loaded.scene;
   CommaList out;

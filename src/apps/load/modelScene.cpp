@@ -117,6 +117,10 @@ std::string lightText(const SceneImport& import) {
 
 bool isModelFile(const std::string& fileName) { return importerOf(fileName) != nullptr; }
 
+bool isSceneFile(const std::string& fileName) {
+  return fileName.ends_with(".pbrt") || fileName.ends_with(".pbrt.gz");
+}
+
 void ModelChoice::addTo(CLI::App& command) {
   command.add_option("--map", map, "For a .pk3 with several maps: the name of one")->type_name("NAME");
   command

@@ -14,6 +14,8 @@ namespace recurse::apps {
 
 /** True for model files, which an importer reads, judging by their name. */
 bool isModelFile(const std::string& fileName);
+/** True if the name ends in an extension of scene files in the format of pbrt. */
+bool isSceneFile(const std::string& fileName);
 
 /** Choice of a map of a model, and of a camera of a model or scene file. */
 struct ModelChoice {

@@ -12,9 +12,9 @@ namespace recurse::apps {
 
 namespace {
 
-std::string listed(const std::vector<std::string>& names) {
+std::string listed(const std::vector<std::string>& names, const std::string& separator = " ") {
   std::string out;
-  for (const std::string& name : names) out += (out.empty() ? "" : " ") + name;
+  for (const std::string& name : names) out += (out.empty() ? "" : separator) + name;
   return out;
 }
 
@@ -62,7 +62,7 @@ std::shared_ptr<const ToneMap> parseToneMap(const std::string& text) {
   if (!registry.find(name)) {
     const std::vector<std::string> nearest = nearestNames(name, registry.names());
     badUsage("--tonemap: there is no operator '" + name + "'" +
-             (nearest.empty() ? "" : "; did you mean " + listed(nearest) + "?") +
+             (nearest.empty() ? "" : "; did you mean " + listed(nearest, " or ") + "?") +
              "; there are: " + listed(registry.names()));
   }
   Diagnostics diagnostics;

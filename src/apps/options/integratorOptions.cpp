@@ -15,9 +15,9 @@ namespace recurse::apps {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined(const std::vector<std::string>& words, const std::string& separator = " ") {
   std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
+  for (const std::string& word : words) out += (out.empty() ? "" : separator) + word;
   return out;
 }
 
@@ -135,7 +135,7 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
     if (!named()) return out;
     const std::vector<std::string> nearest = likelyNames("Integrator", name, registry.names());
     badUsage("--integrator: there is no integrator '" + name + "'" +
-             (nearest.empty() ? "" : "; did you mean " + joined(nearest) + "?") +
+             (nearest.empty() ? "" : "; did you mean " + joined(nearest, " or ") + "?") +
              "; there are: " + joined(registry.names()));
   }
   // A radius in the file suits the file's method; a different integrator finds its own.
@@ -194,6 +194,16 @@ std::vector<std::string> settingsOf(const ParsedDirective& directive) {
     out.push_back(spec.name + " " + text);
   }
   return out;
+}
+
+std::string integratorText(const ParsedDirective& directive) {
+  const auto* entry = plugIns().integrators.find(directive.type);
+  if (!entry || entry->parameters.empty()) return directive.type;
+  std::string given;
+  for (const ParameterSpec& spec : entry->parameters)
+    for (const ParsedParameter& p : directive.parameters)
+      if (!spec.ignored && p.name == spec.name) given += spec.name + " " + valueText(p) + ", ";
+  return directive.type + ": " + (given.empty() ? "default parameters" : given + "others default");
 }
 
 } // namespace recurse::apps

@@ -56,5 +56,7 @@ std::unique_ptr<Integrator> makeIntegrator(const ParsedDirective& directive, boo
 
 /** Parameters of an integrator with their values, as `name value`, a line each. */
 std::vector<std::string> settingsOf(const ParsedDirective& directive);
+/** Integrator for a message: `path: maxdepth 7, others default`, with the parameters that are given. */
+std::string integratorText(const ParsedDirective& directive);
 
 } // namespace recurse::apps

@@ -154,7 +154,7 @@ std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const R
       {"path classes", classesText(classes.classes())},
       {"samples per pixel",
        settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
-      {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
+      {"sample distribution", adaptive ? "adaptive" : UNIFORM_SAMPLES}};
   if (classes.isTransient()) out["time of flight"] = classes.frames().text();
   return out;
 }
@@ -322,7 +322,7 @@ class RenderRun {
     if (isInterrupted() && statistics.samples == 0)
       throw Error("interrupted before the first sample: nothing was written", ExitStatus::INTERRUPTED);
     if (statistics.samples == 0)
-      throw Error("no sample was ready in time: nothing was written. Give it a longer --time-limit");
+      throw Error("no sample was ready in time: nothing was written. Increase --time-limit");
   }
   /** Replaces a film without samples by the first picture, with a warning. */
   void takeFirstPicture() {
@@ -333,10 +333,10 @@ class RenderRun {
     statistics.processorSeconds += ended.processorSeconds;
     statistics.learningProcessorSeconds += ended.learningProcessorSeconds;
     statistics.photonProcessorSeconds += ended.photonProcessorSeconds;
-    warn((isInterrupted() ? "the render was interrupted" : "the time limit ended") +
-         std::string(" before \"") + loaded.integratorDirective.type +
-         "\" had one sample of each pixel: the picture is one sample of each pixel by path tracing instead" +
-         (isInterrupted() ? "" : "; give it a longer --time-limit, or choose --integrator path"));
+    warn((isInterrupted() ? "interrupted" : "time limit reached") + std::string(" before ") +
+         loaded.integratorDirective.type +
+         " had one sample of every pixel: this picture is a path-traced preview with 1 sample per pixel" +
+         (isInterrupted() ? "" : "; increase --time-limit, or choose --integrator path"));
   }
   void warn(const std::string& text) {
     statistics.warnings.push_back(text);

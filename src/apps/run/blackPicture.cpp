@@ -73,11 +73,15 @@ class DarkScene {
     look();
     const double expected = lampRadiance();
     if (mean >= NEARLY_BLACK_PART * expected || brightest >= expected || showsLamps()) return "";
-    if (lampsLanded == 0) return std::string("their light hits no surface. ") + TURN_LAMP;
+    const bool reachVisible = lampsInSight().lit > 0; // lamps far away may reach surfaces by few rays
+    if (lampsLanded == 0 && !reachVisible) return std::string("their light hits no surface. ") + TURN_LAMP;
     return areTurnedAway()
                ? std::string("they emit away from all surfaces that the camera sees. ") + TURN_LAMP
                : "";
   }
+
+  /** True if the camera sees surfaces, and all of them are mirrors or glass. Call after reason(). */
+  bool showsDeltaSurfacesOnly() const { return !seen.empty() && !seesNonDelta; }
 
   std::string reason() {
     if (const std::string none = withoutLight(); !none.empty()) return none;
@@ -85,7 +89,7 @@ class DarkScene {
     if (const std::string medium = misplacedMedium(); !medium.empty()) return medium;
     if (seen.empty()) return nothingSeen();
     shine();
-    if (emitted > 0 && landed == 0) return lightLeaves();
+    if (emitted > 0 && landed == 0 && lampsInSight().lit == 0) return lightLeaves();
     // Light of delta lights may arrive by mirrors and glass alone.
     if (scene.contents().deltaLights > 0 && (scene.contents().lobes & DELTA_LOBES)) return "";
     return betweenLightAndCamera();
@@ -146,6 +150,7 @@ class DarkScene {
         if (!isHit) return;
         if (hit.material) {
           seen.push_back(hit.point);
+          seesNonDelta = seesNonDelta || (hit.material->lobes() & NON_DELTA_LOBES);
           seen.back().geometricNormal = hit.point.normalTowards(-ray.direction);
           return;
         }
@@ -211,7 +216,7 @@ class DarkScene {
   }
 
   std::string lightLeaves() const {
-    const std::string hits = "no light hits a surface: all light leaves the scene. ";
+    const std::string hits = formatted("none of %zu rays from the lights hits a surface. ", emitted);
     return hits +
            (scene.contents().areaLights > 0 ? TURN_LAMP : "Check the positions and directions of the lights");
   }
@@ -351,7 +356,7 @@ class DarkScene {
   const Scene& scene;
   TransportCounts counts;
   size_t rays = 0, emitted = 0, landed = 0, lampsLanded = 0;
-  bool shinesFromAfar = false;
+  bool shinesFromAfar = false, seesNonDelta = false;
   std::optional<Vec3f> eye;
   std::vector<SurfacePoint> seen;
   std::vector<size_t> passed, filled; ///< by medium: rays in its shape, and rays that hit its grid
@@ -412,6 +417,10 @@ std::string noLightText(const LoadedScene& loaded, const PathClasses& classes, b
   const std::string reason = dark.reason();
   if (!reason.empty()) return what + reason;
   if (!isAllBlack) return "";
+  if (dark.showsDeltaSurfacesOnly())
+    return what +
+           "the camera sees only glass and mirrors, in which nothing lit or bright appears: add a floor "
+           "or an environment";
   return what + "no light arrives at the surfaces that the camera sees: are the lights enclosed, or the "
                 "surfaces black?";
 }

@@ -211,11 +211,14 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
   if (s.least != s.most)
     out += "samples per pixel: " + std::to_string(s.least) + " to " + std::to_string(s.most) + ", median " +
            std::to_string(s.median) + "\n";
-  if (s.photonsEmitted > 0)
+  if (s.photonsEmitted > 0 && s.mapBytes > 0)
     out += "photons: " + countText(double(s.photonsEmitted)) + " emitted, " +
            countText(double(s.photonsStored)) + " stored in " + durationText(s.photonSeconds) + " (" +
            countText(perSecond(double(s.photonsStored), s.photonSeconds)) + "/s), map of " +
            bytesText(double(s.mapBytes)) + " balanced in " + durationText(s.balanceSeconds) + "\n";
+  else if (s.photonsEmitted > 0)
+    out +=
+        "light paths: " + countText(double(s.photonsEmitted)) + " in " + durationText(s.photonSeconds) + "\n";
   out += "picture: " + countText(double(s.counts.rays)) + " rays in all, " +
          countText(perSecond(double(s.counts.rays), s.renderSeconds)) + " rays/s, peak memory " +
          bytesText(double(peakMemoryBytes())) + "\n";

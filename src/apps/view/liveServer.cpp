@@ -223,7 +223,7 @@ HttpAnswer LiveServer::Parts::reference(const HttpRequest& request) {
       answering()->reference(vectorParameter(request, "position"), vectorParameter(request, "normal")));
 }
 
-/** Asks for the paths of the pixel `x`, `y`; the state says when there is an answer. */
+/** Requests the paths of the pixel (`x`, `y`); the state reports when the answer is ready. */
 HttpAnswer LiveServer::Parts::ask(const HttpRequest& request) {
   const auto coordinate = [&](const char* name) {
     const auto given = request.parameters.find(name);
@@ -299,7 +299,7 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
       out = parts->answer(request);
     } catch (const Error& error) {
       out = refusal(400, error.what());
-    } catch (const std::exception& error) { // such as lack of memory, which the render needs more
+    } catch (const std::exception& error) { // e.g. std::bad_alloc: the request fails, the render continues
       out = refusal(500, error.what());
     }
     // The page shows that of a pixel in a frame; nobody else may show either of them.

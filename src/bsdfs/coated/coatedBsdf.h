@@ -115,8 +115,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     allSmooth = smoothCoat && base.smooth() && isBlack(medium.albedo);
     if (clear) scattered = scatteredByBase();
     if constexpr (Base::CAN_BE_SMOOTH) {
-      // Equivalent facets outside the coat. A tilt of the base turns light by eta times as much outside, and
-      // a tilt of the coat by (eta - 1)/2 as much as at a mirror, on the way in and on the way out.
+      // Roughness of one equivalent facet outside the coat: a tilt of the base is magnified by eta, one of
+      // the coat by (eta - 1) / 2 per crossing.
       const Vec2f b = base.smooth() ? Vec2f(0) : base.facets.roughness() * coat.eta;
       const Vec2f c = smoothCoat ? Vec2f(0) : coat.facets.roughness() * ((coat.eta - 1) * 0.7071f);
       fitted = Microfacets(MicrofacetKind::TROWBRIDGE_REITZ,

@@ -7,7 +7,7 @@
 
 #include "bsdfs/measured/tensorFile.h"
 #include "bsdfs/microfacet/microfacet.h"
-#include "recurse/scene/parameters/reflectanceColours.h"
+#include "recurse/scene/parameters/reflectanceWeights.h"
 
 namespace recurse {
 
@@ -98,7 +98,7 @@ void AdaptiveBrdf::readColours(const TensorFile& file) {
   std::vector<Rgbd> parts = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (!isRgb) {
     const std::vector<float> wavelengths = increasing(file, "wavelengths");
-    parts = reflectanceColours({wavelengths.begin(), wavelengths.end()});
+    parts = reflectanceWeights({wavelengths.begin(), wavelengths.end()});
   }
   const std::string name = isRgb ? "rgb" : "spectra";
   const FloatTensor t =

@@ -90,7 +90,7 @@ class BsdfSum final : public Bsdf {
   }
 
  private:
-  /** Merges delta lobes of equal direction: the mirror direction does not depend on the material. */
+  /** Adds a delta lobe to an identical one (same lobe, eta and direction), else to the list. */
   static void merge(const DeltaScatter& d, DeltaScatters& out) {
     for (DeltaScatter& o : out)
       if (o.lobe == d.lobe && o.eta == d.eta && o.wo == d.wo) {

@@ -24,7 +24,7 @@ class Auto final : public Integrator {
   bool supportsMedia(const Scene& scene) const override { return mapper->supportsMedia(scene); }
   bool supportsTransient(const Scene& scene) const override { return mapper->supportsTransient(scene); }
   std::string choices() const override {
-    return "photonmap; path; or path with photons of caustics (photonmap with \"bool causticsonly\" true)";
+    return "photonmap; path; or path with caustic photons (photonmap with \"bool causticsonly\" true)";
   }
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
@@ -67,7 +67,7 @@ class Auto final : public Integrator {
   void choose(const Scene& scene, const PathClasses& classes, const Pass& pass, const ForwardControl& control,
               ForwardStatistics& statistics) {
     if (const std::string reason = reasonForPhotons(scene, pass); !reason.empty())
-      statistics.notes.push_back("auto: photonmap, without a trial: " + reason);
+      statistics.notes.push_back("auto uses photonmap: " + reason);
     else
       tryPaths(scene, classes, pass, control, statistics);
   }
@@ -80,10 +80,11 @@ class Auto final : public Integrator {
     if (settings.finalGather >= 0 || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
       return "parameters of the integrator set the density estimate";
     if (pass.schedule == PassSchedule::ONE_MAP)
-      return "a single photon map is asked for (\"integer passes\" 1)";
+      return "a single photon map is requested (\"integer passes\" 1)";
     if (scene.lights().size() == 0) return "the scene has no light";
     if (scene.film().whole().area() < EstimatorTrial::PIXELS)
-      return formatted("the picture has fewer than %d pixels", EstimatorTrial::PIXELS);
+      return formatted("the picture (below %d pixels) is too small to compare with path tracing",
+                       EstimatorTrial::PIXELS);
     // Path tracing with caustic photons stores them on surfaces only.
     if (scene.hasMedia() && !raysFindAll(scene)) return "path tracing does not find all light in the media";
     return {};
@@ -165,13 +166,25 @@ class Auto final : public Integrator {
     constexpr double CLEARLY = 2; // trials miss rare bright samples, of which paths have more
     if (samples < FEW) {
       notes.push_back(
-          "auto: photonmap: in the trial, path tracing found too few samples with light to compare");
+          "auto chose photonmap: the trial of path tracing found too few samples with light to compare");
       return false;
     }
-    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
-    notes.push_back(formatted(
-        "auto: %s: in a trial of equal work, the squared error of photonmap is %.3g times that of %s",
-        ratio > CLEARLY ? rival : "photonmap", ratio, rival));
+    const char* const rival = withCaustics ? "path with caustic photons" : "path";
+    if (ratio > CLEARLY)
+      notes.push_back(
+          formatted("auto chose %s: at equal cost its squared error was %.3g times lower than that "
+                    "of photonmap",
+                    rival, ratio));
+    else if (ratio > 1)
+      notes.push_back(
+          formatted("auto chose photonmap: at equal cost the squared error of %s was only %.3g times "
+                    "lower",
+                    rival, ratio));
+    else
+      notes.push_back(
+          formatted("auto chose photonmap: at equal cost its squared error was %.3g times lower than "
+                    "that of %s",
+                    1 / ratio, rival));
     return ratio > CLEARLY;
   }
 

@@ -35,9 +35,9 @@ class EstimatorTrial {
   /** Relative variance and work of one sample for each pixel. */
   struct Figures {
     double ofPixels = 0; ///< relative variance of pixels
-    double ofBlocks =
-        0; ///< relative variance of block means; smaller by the number of pixels if they are independent
-    double work = 0; ///< [camera rays] for a pixel, from counts, so that it is equal on all machines
+    /** Relative variance of block means; equals ofPixels / pixels per block if pixels are independent. */
+    double ofBlocks = 0;
+    double work = 0; ///< cost per pixel [camera rays], from counters, not clocks
 
     /** Adds relative variance that is independent between pixels. */
     void add(double variance);
@@ -47,13 +47,13 @@ class EstimatorTrial {
   /** Figures of an estimator from two independent rounds, which do not share photons either. `others`: rounds
    * of the competing estimator with the same camera rays; pixels that are bright in both count as bright. */
   using Rounds = std::array<TrialSamples, 2>;
-  static Figures figures(const Rounds& own, const Rounds& others);
+  static Figures figures(const Rounds& rounds, const Rounds& others);
   /** Effective number of samples that carry the light, (sum x)² / sum x² (Kish 1965, "Survey Sampling"). If
    * it is small, the variance is unknown. */
   static double effectiveCount(const Rounds& rounds);
   /** Lower bound of the relative variance of an unbiased estimator's pixels, from light that `others` found
    * and its own samples missed: such samples are rarer than one among all of them. */
-  static double missedVariance(const Rounds& own, const Rounds& others);
+  static double missedVariance(const Rounds& rounds, const Rounds& others);
 
  private:
   const Scene& scene;

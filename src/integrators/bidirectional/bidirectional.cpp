@@ -254,9 +254,9 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   if (splatter) splatter->addPaths(count);
   for (const auto& record : records) recorder->append(record);
   if (keepsLightPaths())
-    for (LightSubpaths& part : parts) {
-      subpaths.append(part);
-      part = {};
+    for (LightSubpaths& batch : parts) {
+      subpaths.append(batch);
+      batch = {};
     }
   for (const TransportCounts& c : counts) statistics.counts.add(c);
   statistics.shootSeconds = secondsSince(start);
@@ -312,8 +312,7 @@ std::vector<EstimatorDomain> Bidirectional::domains() const {
   };
   add(settings.hits, "emission", "L(S|D)*E", "none: found by rays of camera paths");
   add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");
-  add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E",
-      "none: the shadow rays, straight through thin panes");
+  add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E", "included in shadow rays");
   add(settings.connections, "connections", "L(S|D)*DD(S|D)*E",
       "one shadow ray for each pair of a diffuse vertex of the camera path and one of the light path");
   add(settings.splats, "splats", "L(S|D)*DE",

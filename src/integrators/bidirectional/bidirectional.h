@@ -50,7 +50,7 @@ class Bidirectional : public Integrator {
   class CameraWalk;
   /** Light vertex that a photon represents. */
   struct PhotonVertex {
-    uint32_t path, number; ///< number 1 is the vertex next to the light
+    uint32_t path, number; ///< number: index on its light path; 1: next to the light
   };
 
   /** Starts of the light paths. */

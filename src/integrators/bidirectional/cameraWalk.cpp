@@ -268,8 +268,8 @@ class Bidirectional::CameraWalk {
     owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
       if (out.abandoned()) return;
       found += std::popcount(block.mask);
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(rest));
+      for (uint32_t remainingMask = block.mask; remainingMask != 0; remainingMask &= remainingMask - 1) {
+        const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(remainingMask));
         addPhoton(owner.photonVertices[owner.photons.emissionIndex(slot)]);
       }
     });

@@ -16,7 +16,7 @@ class CausticPhotons {
   virtual ~CausticPhotons() = default;
   /** Adds the caustics at a vertex with non-delta lobes, seen from unit `wi` with `throughput`; `camera`:
    * state after its D event; `width`: pixel footprint [scene units]; `optical`: on arrival. Returns the
-   * merging factor of the photons for the ray that continues, see MergeRatio. */
+   * merge density of the photons for the ray that continues, see MergeRatio. */
   virtual float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi,
                     const ScatteringPoint& scattering, const Rgb& throughput, CameraState camera, float width,
                     const OpticalPath& optical, const Sampler& sampler, PathRadiance& out) const = 0;
@@ -31,9 +31,9 @@ class CausticPhotons {
 /** Camera's side of these MIS weights along a path. */
 class CausticRay {
  public:
-  /** Leaves a non-delta vertex; `merging`: result of CausticPhotons::add(), 0 in media. */
-  void leaveNonDelta(float merging, float pdf, const Vec3f& direction, const SurfacePoint& from) {
-    merge = merging > 0 ? MergeRatio(merging, pdf, direction, from) : MergeRatio();
+  /** Leaves a non-delta vertex; `mergeDensity`: result of CausticPhotons::add(), 0 in media. */
+  void leaveNonDelta(float mergeDensity, float pdf, const Vec3f& direction, const SurfacePoint& from) {
+    merge = mergeDensity > 0 ? MergeRatio(mergeDensity, pdf, direction, from) : MergeRatio();
   }
   void leaveDelta(const Vec3f& arrived, const Vec3f& left, const SurfacePoint& at) {
     merge.arrive(arrived, at);

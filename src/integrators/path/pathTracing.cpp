@@ -44,7 +44,7 @@ struct Vertex {
   LobeSet allowed;
   bool sampleLight;
   LightSampleContext context; ///< context of light sampling, if sampleLight
-  float merging;              ///< merging factor of caustic photons, see CausticPhotons::add()
+  float mergeDensity;         ///< merge density of caustic photons, see CausticPhotons::add()
   int recorded;               ///< index of the vertex, see PathRecorder
 };
 
@@ -318,10 +318,10 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < vertexCount; ++i) {
         Vertex& v = vertices[i];
         BatchPath& w = *v.path;
-        v.merging = 0;
+        v.mergeDensity = 0;
         if (PathRecorder* recorder = w.camera->out->recorder) recorder->source.vertex = v.recorded;
         if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
-          v.merging =
+          v.mergeDensity =
               settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput, v.cameraD,
                                      w.width, w.optical, w.camera->sampler, *w.camera->out);
       }
@@ -359,7 +359,7 @@ class PathTracing final : public Integrator {
           w.width = w.spread = 0; // the footprint after a non-delta event is unknown
           w.isScattered = true;
           if (settings.caustics)
-            w.caustic.leaveNonDelta(v.merging, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
+            w.caustic.leaveNonDelta(v.mergeDensity, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
                                     v.hit->point);
         }
         if (PathRecorder* recorder = w.camera->out->recorder)

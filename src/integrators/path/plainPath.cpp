@@ -64,18 +64,19 @@ class PlainPath {
       const int recorded = out.recorder ? recordVertex(*out.recorder, lastStep, vertex) : NOT_RECORDED;
       if (!vertex.medium) chooseDirections();
       LightSampleContext context{vertex.point().position};
-      float merging = 0;
+      float mergeDensity = 0;
       if (vertex.isConnectable()) {
         if (!vertex.medium) context = lightSampleContext(lights, vertex.point(), vertex.wi);
         addDirectLight(context);
         if (caustics && !vertex.medium)
-          merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
-                                  vertex.afterD, path.width, path.optical, sampler, out);
+          mergeDensity =
+              caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
+                            vertex.afterD, path.width, path.optical, sampler, out);
       }
       const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
       if (!s) return;
       if (out.recorder) lastStep = recordStep(*out.recorder, recorded, vertex, *s, path.throughput);
-      leave(*s, context, merging);
+      leave(*s, context, mergeDensity);
     }
   }
 
@@ -120,7 +121,7 @@ class PlainPath {
     add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
   }
 
-  /** Sets the density of the next direction at a surface, where it is not that of the BSDF. */
+  /** Replaces BSDF sampling of the next direction: by the mixture with the guide, or by a uniform density. */
   void chooseDirections() {
     if (settings.guide) vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
     if (!settings.sampleBsdf)
@@ -142,12 +143,13 @@ class PlainPath {
   }
 
   /** Sets the MIS weights of light that the ray from the vertex hits: against light samples in `context`, and
-   * against caustic photons of factor `merging`. */
-  void leave(const Scatter& s, const LightSampleContext& context, float merging) {
+   * against caustic photons of factor `mergeDensity`. */
+  void leave(const Scatter& s, const LightSampleContext& context, float mergeDensity) {
     if (path.delta)
       caustic.leaveDelta(-vertex.wi, s.direction, vertex.point());
     else
-      caustic.leaveNonDelta(merging, merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s.direction) : 1,
+      caustic.leaveNonDelta(mergeDensity,
+                            mergeDensity > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s.direction) : 1,
                             s.direction, vertex.point());
     isScattered = isScattered || !path.delta;
     if (vertex.medium || !passesPane(scene, *vertex.scattering, s))
@@ -186,12 +188,12 @@ std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {
   return {{"emission", "LS*E", "none: found by camera rays through mirrors and glass", "", true},
           {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: found by continued rays",
            "direct light through panes", true},
-          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E",
-           "none: the shadow rays, straight through thin panes", "direct light through panes", false, true},
+          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E", "included in shadow rays",
+           "direct light through panes", false, true},
           {"shadow rays", "L(D|V)(S|D|V)*E",
            std::to_string(lightSamples) + " for each diffuse vertex, and where a medium scatters",
            "direct light"},
-          {"BSDF rays", "L(D|V)(S|D|V)*E", "none: the continued rays", "direct light", true}};
+          {"BSDF rays", "L(D|V)(S|D|V)*E", "included in continued rays", "direct light", true}};
 }
 
 } // namespace recurse

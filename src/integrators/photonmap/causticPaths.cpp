@@ -65,7 +65,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
                throughput, camera, out, photons.hasEdges() ? &boundary : nullptr, &sampler, optical);
     if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
     out.counts.causticRadii.add(result.radius, width);
-    return result.merging;
+    return result.mergeDensity;
   }
   float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
                   const Ray& ray) const override {

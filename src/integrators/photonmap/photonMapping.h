@@ -14,7 +14,8 @@ struct PhotonMappingSettings : PhotonPassSettings {
   Passes passes = Passes::perSample();
   int lightSamples = 1;
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance cached at records
-  int finalGather = -1; ///< rays from a path's first non-delta surface; 0: none; -1: one, where it pays
+  int finalGather =
+      -1; ///< rays from a path's first non-delta surface; 0: none; -1: one, where it is more efficient
   float weightLimit = 0.01f;
 };
 

@@ -16,17 +16,17 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
                    std::to_string(settings.lightSamples) + " for each non-delta surface of a path",
                    "direct light"});
     all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
-    all.push_back({"shadow rays through panes", "LS+DS*E",
-                   "none: the shadow rays, straight through thin panes", "caustics", false, true});
-    all.push_back({"photons of media that glow", "LDS*E", each, "direct light"});
+    all.push_back(
+        {"shadow rays through panes", "LS+DS*E", "included in shadow rays", "caustics", false, true});
+    all.push_back({"light from emitting media", "LDS*E", each, "direct light", false, false, true});
     all.push_back({"shadow rays in media", "LVS*E",
                    std::to_string(settings.lightSamples) +
                        " for each flight of a path in a medium; four times as many from lights that are not "
                        "surfaces, before the first surface",
                    "direct light in media"});
-    all.push_back({"shadow rays in media through panes", "LS+VS*E",
-                   "none: the shadow rays, straight through thin panes", "light in media", false, true});
-    all.push_back({"photons in media of media that glow", "LVS*E",
+    all.push_back({"shadow rays in media through panes", "LS+VS*E", "included in shadow rays",
+                   "light in media", false, true});
+    all.push_back({"in-scattered light from emitting media", "LVS*E",
                    "one density estimate for each flight of a path in a medium", "direct light in media"});
   }
   all.push_back({"photons in media", settings.directLight ? "L(S|D|V)*VS*E" : "L(S|D|V)+VS*E",
@@ -36,7 +36,7 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
   all.push_back({"caustic photons", caustics, "one density estimate for each non-delta surface of a path",
                  rays ? "caustics" : ""});
   if (rays)
-    all.push_back({"BSDF rays by mirrors and glass", caustics, "none: the BSDF rays", "caustics", true});
+    all.push_back({"BSDF rays by mirrors and glass", caustics, "included in BSDF rays", "caustics", true});
   const bool reads = settings.finalGather <= 0;
   const bool goOn = !reads || settings.weighting.ever() ||
                     (settings.finalGather < 0 && settings.passes.schedule() != PassSchedule::ONE_MAP);
@@ -45,7 +45,7 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
     all.push_back({"photon map", indirect, "one density estimate for the first non-delta surface", group});
   if (goOn)
     all.push_back(
-        {"paths that go on", indirect,
+        {"continued paths", indirect,
          (reads ? "one" : std::to_string(settings.finalGather)) +
              std::string(
                  " from the first non-delta surface; all estimators of this table apply where it ends"),

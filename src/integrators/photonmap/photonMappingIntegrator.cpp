@@ -89,13 +89,13 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
   constexpr int MAX_SPLITTING_DEPTH = 8;
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);
-  float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
+  float weights[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
   const float scale = path.remainingWeight * path.walk.etaScale;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[size_t(i)];
-    worth[i] = maxComponent(path.walk.throughput * s.weight) * square(s.eta) * scale;
-    total += worth[i];
-    if (worth[i] > 0) least = std::min(least, worth[i]);
+    weights[i] = maxComponent(path.walk.throughput * s.weight) * square(s.eta) * scale;
+    total += weights[i];
+    if (weights[i] > 0) least = std::min(least, weights[i]);
   }
   if (!(total > 0)) return false;
   const auto after = [&](const Scatter& s) {
@@ -113,9 +113,9 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
     }
   } else {
     float u = count > 1 ? sampler.next1D() * total : 0;
-    while (next + 1 < count && u >= worth[next]) u -= worth[next++];
-    if (!(worth[next] > 0)) return false;
-    path.walk.throughput *= total / worth[next];
+    while (next + 1 < count && u >= weights[next]) u -= weights[next++];
+    if (!(weights[next] > 0)) return false;
+    path.walk.throughput *= total / weights[next];
     // Long walks use their full weight, which may need thousands of events to fall below the limit.
     const float chance = path.walk.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
     if (!russianRoulette(std::min(1.0f, chance), path.walk.depth, sampler, path.walk.throughput))
@@ -157,16 +157,16 @@ void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const
   const auto query = [&](const PhotonLayer& layer) {
     return photons.query(layer, vertex.point(), vertex.wi, vertex.scattering->lobes());
   };
-  at.causticMerging = addPhotons(scene, photons.caustics(), causticIrradiances, query(photons.caustics()),
-                                 vertex, path, sampler, out)
-                          .merging;
+  at.causticMergeDensity = addPhotons(scene, photons.caustics(), causticIrradiances,
+                                      query(photons.caustics()), vertex, path, sampler, out)
+                               .mergeDensity;
   PhotonQuery indirect = query(photons.indirect());
   weighIndirect(path, indirect);
   const GatherSettings& gather = indirect.settings;
   at.weighsIndirect = gather.weighedAgainstRays;
-  at.indirect.merging = gather.merging;
+  at.indirect.mergeDensity = gather.mergeDensity;
   at.indirect.unknownWeight = gather.unknownWeight;
-  if (gather.unknownWeight > 0 || gather.merging > 0)
+  if (gather.unknownWeight > 0 || gather.mergeDensity > 0)
     at.indirect = addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
 }
 
@@ -187,12 +187,12 @@ void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walke
   weights.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - weights.lightShare) : 0;
   if (at.weighsIndirect)
     weights.direct = {1 - weights.lightShare,
-                      MergeRatio(at.indirect.merging, s->pdf, s->direction, vertex.point())};
+                      MergeRatio(at.indirect.mergeDensity, s->pdf, s->direction, vertex.point())};
   if (at.direct.merged > 0)
     weights.shared = {at.direct, at.directWeight, scattering.pdfNonDelta(s->direction, vertex.wi),
                       absDot(s->direction, vertex.point().geometricNormal)};
   if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
-  weights.merge = MergeRatio(at.causticMerging, s->pdf, s->direction, vertex.point());
+  weights.merge = MergeRatio(at.causticMergeDensity, s->pdf, s->direction, vertex.point());
   if (weights.share > 0 || weights.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
 }
 

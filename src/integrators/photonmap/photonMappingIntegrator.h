@@ -11,13 +11,13 @@ namespace recurse {
 
 /** Estimates at a non-delta vertex, against which the rays that leave it are weighted. */
 struct VertexEstimates {
-  bool byRays = false;         ///< no photons are stored there
-  LightSampleContext context;  ///< of the shadow rays
-  PhotonShare direct;          ///< of light that the shadow rays sample
-  float directWeight = 0;      ///< PathState::remainingWeight without the weight of `direct`
-  float causticMerging = 0;    ///< merging factor of caustic photons, see MergeRatio
-  bool weighsIndirect = false; ///< see GatherSettings::weighedAgainstRays
-  GatherResult indirect;       ///< weights of the photons of indirect light
+  bool byRays = false;           ///< no photons are stored there
+  LightSampleContext context;    ///< of the shadow rays
+  PhotonShare direct;            ///< of light that the shadow rays sample
+  float directWeight = 0;        ///< PathState::remainingWeight without the weight of `direct`
+  float causticMergeDensity = 0; ///< merge density of caustic photons, see MergeRatio
+  bool weighsIndirect = false;   ///< see GatherSettings::weighedAgainstRays
+  GatherResult indirect;         ///< weights of the photons of indirect light
 };
 
 /** See makePhotonMapping(). */

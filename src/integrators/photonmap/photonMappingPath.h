@@ -38,16 +38,16 @@ struct RayWeights {
   bool byRays = true;   ///< no photons are stored at that vertex: the camera, or a point on a curve
   float share = 1;      ///< weight of light scattered by media and at the next non-delta vertex
   PhotonShare direct;   ///< weights of the direct light at that vertex; its `unknownWeight` becomes `share`
-  SharedRay shared;     ///< of directly hit light, against photons
-  BsdfRay bsdfRay;      ///< of directly hit light, against shadow rays
-  MergeRatio merge;     ///< of light hit through mirrors and glass, against photons
-  float lightShare = 1; ///< of hit emission where photons carry all light
+  SharedRay shared;     ///< directly hit light against photons
+  BsdfRay bsdfRay;      ///< directly hit light against shadow rays
+  MergeRatio merge;     ///< light hit through mirrors and glass, against photons
+  float lightShare = 1; ///< weight of hit emission where photons carry all light
 };
 
 /** Camera path: the walk, and its weights against photons. */
 struct PathState {
   CameraSubpath walk;
-  float remainingWeight = 1; ///< weight of the path's light that photons at earlier vertices left to it
+  float remainingWeight = 1; ///< remaining MIS weight after photons at earlier vertices
   float mediaScale = 1;      ///< cancels the attenuation by media, which must not prune a branch
   int nonDelta = 0;          ///< number of scattering events by non-delta lobes
   float distance = 0;        ///< length since the last of these, or since the camera [scene units]

@@ -20,7 +20,7 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
   } else {
     // A surface closer than the blur of the map would see it, and needs rays instead.
     const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
-    gather.unknownWeight = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
+    gather.unknownWeight = path.distance < blur || !photons.prefersPhotons(query) ? 0 : 1;
   }
 }
 
@@ -49,7 +49,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
       out.add(LightState(0), path.walk.state,
               path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
     GatherResult weights;
-    weights.merging = mergingWithin(search.merging, square(search.radius));
+    weights.mergeDensity = mergeDensityWithin(search.mergeDensity, square(search.radius));
     weights.unknownWeight = search.unknownWeight;
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
@@ -80,7 +80,7 @@ bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& q
 GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
   GatherSettings search = photons.searchWithin(layer, layer.cache().record(query.cached.index).radius);
   search.weighedAgainstRays = query.settings.weighedAgainstRays;
-  search.merging = query.settings.merging;
+  search.mergeDensity = query.settings.mergeDensity;
   search.unknownWeight = query.settings.unknownWeight;
   return search;
 }

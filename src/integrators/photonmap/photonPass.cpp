@@ -49,7 +49,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   ForwardStatistics statistics;
   progressive = pass.schedule != PassSchedule::ONE_MAP;
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
-  if (pass.index > 0 && inVain) return statistics;
+  if (pass.index > 0 && skipsEmission) return statistics;
   const auto start = std::chrono::steady_clock::now();
   if (pass.index == 0) learnEmission(scene, classes, pass, control, shadowRays, statistics);
   ShootSettings shoot = shootSettings(scene, shadowRays);
@@ -91,7 +91,8 @@ void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, c
   media = {};
   learnOutsideMedium(scene, statistics);
   if (usesMedia(scene) && !emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
-    statistics.warnings.push_back("no photon found a path from the glowing medium: it lights nothing");
+    statistics.warnings.push_back("no sampled light from an emitting medium reached the scene: it adds no "
+                                  "indirect light; check \"sigma_a\", \"Le\" and its boundary");
   if (settings.guided && scene.lights().size() > 0)
     learnGuidance(scene, classes, pass.seed, shootSettings(scene, shadowRays), control, statistics);
   if (usesMedia(scene))

@@ -1,6 +1,5 @@
 /** @file
- * Forward pass: shoots photons into two maps, and learns once for all passes their emission and the search
- * radii.
+ * Forward pass: shoots photons into two maps. Emission and radii are learned in the first pass.
  */
 #pragma once
 
@@ -91,8 +90,8 @@ class PhotonPass {
   const PhotonLayer& caustics() const { return causticLayer; }
   /** All other photons on surfaces. */
   const PhotonLayer& indirect() const { return indirectLayer; }
-  /** Photons in media that have scattered before, and all of emissive media; with `directLight` all photons
-   * in media. */
+  /** Photons in media that have scattered at least once, and all from emissive media; with `directLight` all
+   * photons in media. */
   const MediaPhotons& inMedia() const { return mediaPhotons; }
   /** Whether surfaces store fewer than MIN_MAP photons, or than one in MIN_STORED, in the first pass. */
   bool hasTooFewPhotons() const { return tooFew; }
@@ -126,9 +125,10 @@ class PhotonPass {
   /** Weights photons of the indirect layer against the rays that the surface scatters, by the estimated
    * errors of both; `footprint`: width of a pixel [scene units]. */
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
-  /** Whether reading the indirect layer costs less than continuing the path, for the variance it saves. */
-  bool paysInstead(const PhotonQuery& query) const {
-    return !query.cached.known || query.cost < indirectLayer.cache().record(query.cached.index).worth.instead;
+  /** True if reading the indirect layer costs less than continuing the path per unit of variance saved. */
+  bool prefersPhotons(const PhotonQuery& query) const {
+    return !query.cached.known ||
+           query.cost < indirectLayer.cache().record(query.cached.index).benefit.maxCost;
   }
   /** Settings of a search whose radius in the first pass was `firstRadius` [scene units]. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
@@ -169,13 +169,13 @@ class PhotonPass {
   KeptInMedia media;           ///< from the first pass
   uint16_t outside = 0;        ///< medium around the scene
   Rgb outsideTransmittance{1}; ///< transmittance of that medium for infinite lights
-  EmissiveMedia emissiveMedia; ///< learned before the first pass, for all
-  PhotonGuidance guidance;     ///< learned before the first pass, for all
-  VisibleRegion region;        ///< learned before the first pass, for all
+  EmissiveMedia emissiveMedia; ///< learned before the first pass, used in all
+  PhotonGuidance guidance;     ///< learned before the first pass, used in all
+  VisibleRegion region;        ///< learned before the first pass, used in all
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays()
   bool progressive = false, tooFew = false, causticsKnown = false;
-  bool inVain = false; ///< no photon can contribute: no visible surface gathers, none is stored
+  bool skipsEmission = false; ///< no photon can contribute: no visible surface gathers, none is stored
   float radiusOverFirst = 1;
 };
 

@@ -20,18 +20,24 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
       settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
   const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
   // Records at visible points cover dark regions, which have few photons.
-  const double across = std::sqrt(double(scene.film().whole().area())) / 4;
-  const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
+  const double resolution = std::sqrt(double(scene.film().whole().area())) / 4;
+  const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(resolution, 4.0, 128.0)), 2,
                                     settings.weighting, statistics.counts);
   constexpr size_t MIN_CAUSTIC = 16; // minimum number of caustic photons; fewer are strong spots
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
-  inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
+  skipsEmission = manySeen.empty() && stored + mediaPhotons.size() == 0;
   const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, e.g. for class LDE
-  if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
+  const bool isMapUsed = !manySeen.empty();                 // else a note says so
+  if (tooFew && isMapUsed && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 &&
+      scene.lights().size() > 0)
     statistics.warnings.push_back(
-        formatted("only %zu of %llu photons (%.3g %%) were stored on surfaces: paths sample indirect light "
+        stored == 0 && !settings.directLight
+            ? "no photon was stored: surfaces receive direct light only, which shadow rays sample, or the "
+              "lights miss them"
+            : formatted(
+                  "only %zu of %llu photons (%.3g %%) were stored on surfaces: paths sample indirect light "
                   "instead, and caustics of small lights are noisy. Emit more photons (--photons), and check "
                   "that the lights are inside of the scene and do not point away",
                   stored, static_cast<unsigned long long>(emitted), 100 * double(stored) / double(emitted)));
@@ -61,9 +67,9 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
       return near.known ? &layer.cache().record(near.index) : nullptr;
     };
     const RadiusCache::Record *caustic = at(causticLayer), *other = at(indirectLayer);
-    if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
-    const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
-    sum += double(caustic->worth.raysVariance) / square(all);
+    if (!caustic || !(caustic->benefit.raysVariance > 0)) continue;
+    const double all = double(caustic->benefit.irradiance) + (other ? double(other->irradiance) : 0);
+    sum += double(caustic->benefit.raysVariance) / square(all);
   }
   return seen.empty() ? 0 : sum / double(seen.size());
 }
@@ -90,9 +96,9 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
-    here.settings.merging = causticsKnown ? static_cast<float>(emitted) : 0;
+    here.settings.mergeDensity = causticsKnown ? static_cast<float>(emitted) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
-    if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
+    if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.mergeDensity = ALL_TO_PHOTONS;
   } else {
     here.settings.weighting = settings.weighting;
   }
@@ -108,14 +114,14 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   constexpr double UNSURE_FRACTION = 0.01 * 32;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = settings.without != Mechanism::MERGE_WEIGHTS;
-  gather.merging = gather.unknownWeight = 0;
+  gather.mergeDensity = gather.unknownWeight = 0;
   if (tooFew || indirectLayer.cache().size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
   const auto variance = double(record.variance), squared = square(double(record.irradiance));
   // Without photons in the first pass their error is unknown. Weights by densities alone then avoid the
   // fireflies of rays that meet surfaces close to a lamp.
-  gather.merging = static_cast<float>(emitted);
+  gather.mergeDensity = static_cast<float>(emitted);
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
   const double pixels =
       std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
@@ -124,8 +130,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   errors.variance = stain * variance;
   errors.bias2 = double(record.bias2);
   if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
-  gather.merging = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
-  errors.byRays = double(record.worth.raysVariance);
+  gather.mergeDensity = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
+  errors.byRays = double(record.benefit.raysVariance);
   gather.unknownWeight = errors.photonWeight(1);
 }
 

@@ -33,8 +33,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
       recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, progressive);
   if (settings.without == Mechanism::SPLITTING) guidance.splitPower = INFINITE;
   if (guidance.emission.active())
-    statistics.notes.push_back(formatted("photons: %.0f %% start towards surfaces and openings that camera "
-                                         "paths meet",
+    statistics.notes.push_back(formatted("%.0f %% of the photons are aimed at visible surfaces and openings",
                                          100 * guidance.emission.boxPart()));
 }
 

@@ -91,8 +91,8 @@ Patches::Cell Patches::Face::cell(uint32_t patch) const {
   };
   uint32_t i = 0;
   while (i + 1 < divisions.x && k >= before(i + 1)) ++i;
-  const uint32_t rest = k - before(i);
-  return {i, rest / 2, rest % 2 == 1};
+  const uint32_t remainder = k - before(i);
+  return {i, remainder / 2, remainder % 2 == 1};
 }
 
 Vec2d Patches::Face::coordinates(const Hit& hit) const {

@@ -9,6 +9,7 @@
 #include "integrators/radiosity/patches.h"
 #include "recurse/core/io/text.h"
 #include "recurse/core/sampling/sampling.h"
+#include "recurse/core/threads/processorTime.h"
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
 #include "transport/emission/emissionSampler.h"
@@ -38,6 +39,7 @@ class Radiosity final : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
+    const auto start = std::chrono::steady_clock::now();
     statistics.notes.push_back(formatted("radiosity: %zu patches with edges up to about %.3g on %zu faces",
                                          patches.count(), double(patches.longestEdge()),
                                          patches.faceCount()));
@@ -50,6 +52,7 @@ class Radiosity final : public Integrator {
     solve(scene, classes, pass, control, statistics);
     reconstruct();
     statistics.photonsEmitted = static_cast<uint64_t>(rays);
+    statistics.shootSeconds = secondsSince(start);
     return statistics;
   }
 
@@ -156,7 +159,9 @@ class Radiosity final : public Integrator {
           std::clamp(std::log(std::max(left / total, CONVERGED)) / std::log(CONVERGED), 0.0, 1.0));
     }
     statistics.notes.push_back(
-        formatted("radiosity: %.3g %% of the reflected light was not distributed", 100 * left / total));
+        formatted("radiosity: %.3g million rays for form factors; %.3g %% of the reflected light "
+                  "was not distributed",
+                  double(shot) / 1e6, 100 * left / total));
   }
 
   double powerOf(size_t patchSide) const {
@@ -173,8 +178,8 @@ class Radiosity final : public Integrator {
 
   /** Shoots all unshot power of a patch. Returns the increase of unshot power that this causes. */
   double shoot(const Scene& scene, const PathClasses& classes, const Pass& pass, size_t patchSide,
-               double part, uint64_t& shot, Power& power, TransportCounts& counts) {
-    const int count = std::max(MIN_RAYS, static_cast<int>(std::ceil(part * rays)));
+               double fraction, uint64_t& shot, Power& power, TransportCounts& counts) {
+    const int count = std::max(MIN_RAYS, static_cast<int>(std::ceil(fraction * rays)));
     for (size_t s = 0; s < states; ++s) {
       power[s] = unshot[patchSide * states + s] / static_cast<float>(count);
       unshot[patchSide * states + s] = BLACK;

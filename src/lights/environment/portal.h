@@ -49,7 +49,8 @@ class Portal {
     WindowedDistribution2d::Window window;
     double sum; ///< sum of the table in the window
   };
-  /** Visible part of the table. Empty where no light comes through, or where the point is outside. */
+  /** Window of the radiance table seen through the portal; empty where no light comes through, or where the
+   * point is outside. */
   std::optional<Visible> visibleFrom(const Vec3d& from) const;
   Vec3d toLocal(const Vec3d& d) const { return {glm::dot(d, axisX), glm::dot(d, axisY), glm::dot(d, axisZ)}; }
   Vec3d toScene(const Vec3d& d) const { return axisX * d.x + axisY * d.y + axisZ * d.z; }

@@ -143,7 +143,7 @@ double EnvironmentMap::pdf(const Vec3d& direction, Sampling sampling) const {
 }
 
 double EnvironmentMap::upperIrradiance() const {
-  constexpr int SUB = 2; // subsamples along each side: the horizon cuts pixels
+  constexpr int SUB = 2; // subsamples per texel side; the horizon crosses texels
   double sum = 0;
   const int columns = SUB * width, rows = SUB * height;
   for (int y = 0; y < rows; ++y)

@@ -25,7 +25,7 @@ class ObjectNamer {
  private:
   ObjectNames& names;
   const SceneDescription& scene;
-  std::map<const InstanceDescription*, uint32_t> atTop; ///< instances with parts at the top level: lamps
+  std::map<const InstanceDescription*, uint32_t> atTop; ///< for shapes of instances at the top level: lamps
   const InstanceDescription* last = nullptr;
   uint32_t lastObject = 0;
 };

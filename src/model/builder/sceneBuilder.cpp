@@ -169,6 +169,7 @@ class SceneBuilder {
     }
     if (kept) kept->media.replace(std::move(all));
     scene->sceneContents.media = media.count();
+    media.warnOfUnknownTypes();
   }
 
   /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */

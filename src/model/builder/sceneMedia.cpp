@@ -32,6 +32,15 @@ uint16_t SceneMedia::number(const ParsedDirective& filling) {
   return known->second;
 }
 
+void SceneMedia::warnOfUnknownTypes() const {
+  const auto& types = plugIns().media;
+  for (const auto& [name, directive] : c.description.media)
+    if (!byName.contains(name) && !types.find(directive.type))
+      c.diagnostics.warning(directive.location,
+                            unknownPlugInText(types.kind(), directive.type, types.names()) +
+                                " (the medium \"" + name + "\" is not used)");
+}
+
 uint16_t SceneMedia::add(const Used& medium) {
   if (used.size() + 1 >= Scene::SURROUNDING_MEDIUM) {
     c.diagnostics.error(medium.directive->location, "there are too many media");

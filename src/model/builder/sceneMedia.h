@@ -33,6 +33,8 @@ class SceneMedia {
   /** Makes medium `index` + 1 and its phase function, each with the parameters of the directive that it
    * declares. Null after an error. */
   std::shared_ptr<Medium> make(size_t index, float maxExtinction) const;
+  /** Warns of media of an unknown type that nothing uses. */
+  void warnOfUnknownTypes() const;
   /** Cache key of medium `index` + 1: equal for media that are made alike. */
   std::string key(size_t index, float maxExtinction) const;
 

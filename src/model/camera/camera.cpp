@@ -7,7 +7,7 @@ namespace recurse {
 
 std::vector<ParameterSpec> cameraParameters() {
   return {stringParameter("name", "", "name for `--camera`, where a scene has several cameras"),
-          realParameter("shutteropen", "0", "beginning of the exposure; see TransformTimes"),
+          realParameter("shutteropen", "0", "beginning of the exposure, for motion blur; see TransformTimes"),
           realParameter("shutterclose", "1",
                         "end of the exposure; as in pbrt-v4, the picture is multiplied by the difference")};
 }

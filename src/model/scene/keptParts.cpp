@@ -1,5 +1,5 @@
 /** @file
- * Cache keys of kept parts.
+ * Cache keys of scene parts reused between frames.
  */
 #include "recurse/model/scene/keptParts.h"
 

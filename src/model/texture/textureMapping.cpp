@@ -27,7 +27,7 @@ FootprintAxes::FootprintAxes(const SurfacePoint& point) {
   const Vec3f slope = f.direction - n * cosine;
   const float sine = glm::length(slope);
   if (cosine == 0) return;
-  if (sine < 1e-3f) { // a circle, to within a millionth
+  if (sine < 1e-3f) { // seen head-on: the footprint is a circle, to within a millionth
     const Frame frame(n);
     x = frame.x * f.width;
     y = frame.y * f.width;
@@ -79,8 +79,8 @@ Vec2d TextureMapping::of(const Vec3d& p, Vec3d& ds, Vec3d& dt) const {
   return {std::atan2(rho, p.z) / PI_D, (phi < 0 ? phi + 2 * PI_D : phi) / (2 * PI_D)};
 }
 
-MappedPlace TextureMapping::at(const SurfacePoint& point) const {
-  MappedPlace m;
+MappedCoordinates TextureMapping::at(const SurfacePoint& point) const {
+  MappedCoordinates m;
   const FootprintAxes axes(point);
   if (kind == Kind::UV) {
     m.st = Vec2f(Vec2d(point.uv) * scale + delta);

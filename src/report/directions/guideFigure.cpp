@@ -48,7 +48,7 @@ class PointDirections {
   /** Sums over the camera paths of a row. */
   struct PathSums {
     std::vector<double> light = std::vector<double>(DISC_CELLS); ///< by the cell that the path left through
-    double sum = 0, squares = 0, bsdfSquares = 0;                ///< bsdfSquares: for BSDF sampling
+    double sum = 0, squares = 0, bsdfSquares = 0; ///< bsdfSquares: second moment as under BSDF sampling alone
     int64_t count = 0;
   };
   enum Stream : uint64_t { INCIDENT_STREAM, PATH_STREAM };

@@ -96,7 +96,7 @@ class DirectEstimator {
   const Scene& scene;
   const ViewedPoint& visible;
   ScatteringPoint scattering;
-  Frame frame; ///< around the shading normal on the camera's side
+  Frame frame; ///< shading frame, z towards the camera's side
   bool isTwoSided;
 };
 

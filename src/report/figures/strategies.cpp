@@ -13,7 +13,7 @@ namespace recurse {
 
 namespace {
 
-constexpr int SHORTEST = 2; ///< edges; paths of one edge have one strategy only
+constexpr int SHORTEST = 2; ///< edges of the shortest paths shown; paths of one edge have one strategy only
 
 /** Classes of paths by their number of edges, from SHORTEST to `longest`. */
 PathClasses classesByLength(int longest) {

@@ -24,13 +24,13 @@ std::string cell(const std::string& text) {
 
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + cell(text) + "`"; }
 
-const char* placeText(DirectivePlace place) {
+const char* placeText(DirectiveScope place) {
   switch (place) {
-  case DirectivePlace::BEFORE_WORLD:
+  case DirectiveScope::BEFORE_WORLD:
     return "before WorldBegin";
-  case DirectivePlace::IN_WORLD:
+  case DirectiveScope::IN_WORLD:
     return "after WorldBegin";
-  case DirectivePlace::ANYWHERE:
+  case DirectiveScope::ANYWHERE:
     break;
   }
   return "anywhere";

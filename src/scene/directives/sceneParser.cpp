@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "recurse/core/threads/interrupt.h"
+#include "recurse/scene/parameters/otherNames.h"
 #include "recurse/scene/parameters/spectrum.h"
 #include "scene/parameters/parameterParser.h"
 #include "scene/text/directiveNames.h"
@@ -15,13 +16,14 @@
 namespace recurse::sceneFile {
 
 const std::vector<SceneParser::Directive>& SceneParser::directives() {
-  using enum DirectivePlace;
+  using enum DirectiveScope;
   using P = SceneParser;
   static const std::vector<Directive> TABLE = {
       {"Accelerator", "\"name\" parameters", BEFORE_WORLD,
        "The acceleration structure for rays; no effect on the picture.", &P::accelerator},
       {"ActiveTransform", "All | StartTime | EndTime", ANYWHERE,
-       "Chooses which of the two transforms of a moving object the following directives change.",
+       "Chooses which of the two transforms of a moving object the following directives change, for motion "
+       "blur.",
        &P::activeTransform},
       {"Animate", "\"name\" parameters", ANYWHERE,
        "Numbers that change from frame to frame, see below: `$name` replaces numbers and parts of strings in "
@@ -102,7 +104,7 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
        &P::transform},
       {"TransformBegin", "", IN_WORLD, "Old name of AttributeBegin.", &P::attributeBegin},
       {"TransformEnd", "", IN_WORLD, "Old name of AttributeEnd.", &P::attributeEnd},
-      {"TransformTimes", "start end", BEFORE_WORLD, "Times of the two transforms of moving objects.",
+      {"TransformTimes", "start end", BEFORE_WORLD, "Times of the two transforms of objects in motion.",
        &P::transformTimes},
       {"Translate", "x y z", ANYWHERE, "Translates the origin.", &P::translate},
       {"WorldBegin", "", BEFORE_WORLD,
@@ -184,12 +186,12 @@ void SceneParser::parseTokens(const Source& source) {
 }
 
 void SceneParser::carryOut(const Directive& directive, const Token& token) {
-  if (directive.place == DirectivePlace::BEFORE_WORLD && inWorld && !assumedWorld) {
+  if (directive.place == DirectiveScope::BEFORE_WORLD && inWorld && !assumedWorld) {
     log.error(token.location(), std::string(directive.name) + " must stand before WorldBegin");
     resynchronise();
     return;
   }
-  if (directive.place == DirectivePlace::IN_WORLD && !inWorld) {
+  if (directive.place == DirectiveScope::IN_WORLD && !inWorld) {
     // Reports one error for all following directives: most likely WorldBegin is missing.
     log.error(token.location(), std::string(directive.name) + " must stand after WorldBegin");
     inWorld = assumedWorld = true;
@@ -212,7 +214,12 @@ void SceneParser::unknownDirective(const Token& token) {
   std::vector<std::string> names;
   for (const Directive& d : directives()) names.emplace_back(d.name);
   std::string message = "unknown directive " + token.shown();
-  const auto near = nearestNames(word, names);
+  std::vector<std::string> near = nearestNames(word, names);
+  if (near.empty())
+    for (const PlugInName& meant : plugInsMeantBy(word))
+      near.push_back(meant.kind == "MakeNamedMedium"
+                         ? meant.kind + R"( "name" "string type" ")" + meant.name + "\""
+                         : meant.kind + " \"" + meant.name + "\"");
   for (size_t i = 0; i < near.size(); ++i) message += (i ? " or " : "; did you mean ") + near[i];
   if (!near.empty()) message += "?";
   std::string accepted;

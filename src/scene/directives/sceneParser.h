@@ -39,7 +39,7 @@ struct GraphicsState {
   MaterialReference material;
   int areaLight = -1;
   MediumReference medium;
-  std::string colorSpace; ///< of subsequent rgb values; empty: linear Rec. 709
+  std::string colorSpace; ///< colour space of rgb values that follow; empty: linear Rec. 709
   /** Shared pointers, because states are copied far more often than they change. */
   std::array<std::shared_ptr<const std::vector<ParsedParameter>>, ATTRIBUTE_TARGETS> attributes;
 };
@@ -57,7 +57,7 @@ class SceneParser {
   struct Directive {
     const char* name;
     const char* arguments;
-    DirectivePlace place;
+    DirectiveScope place;
     const char* summary;
     void (SceneParser::*carryOut)(const Token& directive);
   };

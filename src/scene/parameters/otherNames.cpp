@@ -44,6 +44,7 @@ const PlugInName SPHERICAL{"Camera", "spherical"};
 
 const std::vector<OtherName>& otherNames() {
   static const std::vector<OtherName> NAMES = {
+      {"ambient", {INFINITE_LIGHT}},
       {"ao", {{"Integrator", "ambientocclusion"}}},
       {"area", {AREA_LIGHT}},
       {"cube", {BOX}},
@@ -54,6 +55,7 @@ const std::vector<OtherName>& otherNames() {
       {"emission", {AREA_LIGHT}},
       {"emissive", {AREA_LIGHT}},
       {"emitter", {AREA_LIGHT}},
+      {"env", {INFINITE_LIGHT}},
       {"environment", {INFINITE_LIGHT, SPHERICAL}},
       {"envmap", {INFINITE_LIGHT}},
       {"exinfinite", {INFINITE_LIGHT}},
@@ -76,10 +78,12 @@ const std::vector<OtherName>& otherNames() {
       {"lambertian", {DIFFUSE}},
       {"lamp", {AREA_LIGHT}},
       {"lens", {PERSPECTIVE, {"Camera", "realistic"}}},
+      {"light", {AREA_LIGHT, {"LightSource", "point"}}},
       {"lowdiscrepancy", {{"Sampler", "sobol"}}},
       {"matt", {DIFFUSE}},
       {"matte", {DIFFUSE}},
       {"merl", {MEASURED}},
+      {"mesh", {AREA_LIGHT}},
       {"metal", {CONDUCTOR}},
       {"microfacet", {CONDUCTOR, DIELECTRIC}},
       {"milk", {SUBSURFACE, HOMOGENEOUS}},
@@ -96,6 +100,7 @@ const std::vector<OtherName>& otherNames() {
       {"plane", {BILINEAR_MESH}},
       {"ply", {{"Shape", "plymesh"}}},
       {"principled", {COATED_DIFFUSE, COATED_CONDUCTOR}},
+      {"pt", {PATH}},
       {"quad", {BILINEAR_MESH}},
       {"random", {{"Sampler", "independent"}}},
       {"rectangle", {BILINEAR_MESH}},

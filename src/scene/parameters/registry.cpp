@@ -26,6 +26,11 @@ std::string pbrt4Reason(const std::string& kind, const std::string& name) {
   return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not supported" : "";
 }
 
+/** Kind of plug-in in a message. */
+std::string titleOf(const std::string& kind) {
+  return kind == "MakeNamedMedium" ? "medium type" : kind == "phase" ? "phase function" : kind;
+}
+
 /** Suggestion '; did you mean "A" or "B"?', or plug-ins of a different kind with that meaning; empty where no
  * name is near. */
 std::string suggestion(const std::string& kind, const std::string& wrong,
@@ -43,16 +48,20 @@ std::string suggestion(const std::string& kind, const std::string& wrong,
 
 } // namespace
 
+std::string unknownPlugInText(const std::string& kind, const std::string& name,
+                              const std::vector<std::string>& names) {
+  std::string message = "unknown " + titleOf(kind) + " \"" + name + "\"" + suggestion(kind, name, names);
+  if (const std::string reason = pbrt4Reason(kind, name); !reason.empty())
+    message = titleOf(kind) + " \"" + name + "\" " + reason;
+  if (sceneFile::pbrt3::isPlugIn(kind, name)) message += " (pbrt-v3 had it)";
+  return message;
+}
+
 void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directive,
                          const std::vector<std::string>& names, Diagnostics& diagnostics) {
-  std::string message =
-      "unknown " + kind + " \"" + directive.type + "\"" + suggestion(kind, directive.type, names);
-  if (const std::string reason = pbrt4Reason(kind, directive.type); !reason.empty())
-    message = kind + " \"" + directive.type + "\" " + reason;
-  if (sceneFile::pbrt3::isPlugIn(kind, directive.type)) message += " (pbrt-v3 had it)";
   std::string accepted;
   for (const std::string& name : names) accepted += (accepted.empty() ? "\"" : " \"") + name + "\"";
-  diagnostics.error(directive.location, message, accepted);
+  diagnostics.error(directive.location, unknownPlugInText(kind, directive.type, names), accepted);
 }
 
 } // namespace recurse

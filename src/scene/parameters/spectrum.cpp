@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "recurse/core/io/error.h"
-#include "recurse/scene/parameters/reflectanceColours.h"
+#include "recurse/scene/parameters/reflectanceWeights.h"
 #include "scene/text/lexer.h"
 #include "scene/text/sourceFiles.h"
 
@@ -196,7 +196,7 @@ Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind) {
   return min(colour, Rgbd(std::max(1.0, *std::max_element(v.begin(), v.end()))));
 }
 
-std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths) {
+std::vector<Rgbd> reflectanceWeights(const std::vector<double>& wavelengths) {
   std::vector<Rgbd> colours(wavelengths.size(), Rgbd(0));
   for (int w = FIRST_WAVELENGTH; w <= LAST_WAVELENGTH; ++w) {
     const Rgbd colour = daylightColour(w);

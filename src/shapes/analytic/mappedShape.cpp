@@ -23,7 +23,7 @@ void MappedShape::prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, 
               middle = center + linear * ownBounds.center();
   const Vec3d largest = glm::max(glm::abs(ownBounds.lower), glm::abs(ownBounds.upper));
   Bounds3d bounds{middle - magnitudes * half, middle + magnitudes * half};
-  if (radius > 0) { // the bounding cylinder may be narrower
+  if (radius > 0) { // the bounding cylinder of a surface of revolution may be tighter
     Vec3d reach = magnitudes[2] * half.z;
     for (int i = 0; i < 3; ++i) reach[i] += radius * (1 + 0x1p-20) * std::hypot(linear[0][i], linear[1][i]);
     const Vec3d onAxis = center + linear[2] * ownBounds.center().z;

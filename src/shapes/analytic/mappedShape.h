@@ -62,7 +62,7 @@ class MappedShape : public Shape {
    private:
     std::vector<LineHit>& list;
   };
-  /** Surface point in own space. */
+  /** Surface point in the shape's own space. */
   struct OwnPoint {
     Vec3d position;
     Vec3d normal; ///< unit, outwards

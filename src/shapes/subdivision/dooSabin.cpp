@@ -175,7 +175,7 @@ MeshData dooSabinSurface(PolygonMesh mesh, int levels) {
     if (!mesh.uvs.empty()) out.uvs.push_back(centre(mesh, mesh.uvs, f));
     out.normals.push_back(limitNormalOfFace(mesh, f));
   }
-  const std::vector<Vec3d> inner = refinedValues(mesh, corners, mesh.positions); // by corner
+  const std::vector<Vec3d> inner = refinedValues(mesh, corners, mesh.positions); // one for each corner
   std::vector<uint32_t> middles(corners.count(), 0);
   for (uint32_t c = 0; c < corners.count(); ++c) {
     if (!corners.isBoundary(c)) continue;

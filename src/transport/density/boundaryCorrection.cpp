@@ -89,18 +89,18 @@ float depthBelow(const Scene& scene, const Vec3f& position, const Vec3f& normal,
  * above it. `met` gets the distances, infinite if there is none. */
 template <size_t N>
 void findWalls(const Scene& scene, float error, const GatherRegion& region,
-               const std::array<Vec3f, N>& directions, std::array<float, N>& met, Neighbourhood& found,
+               const std::array<Vec3f, N>& directions, std::array<float, N>& distances, Neighbourhood& found,
                TransportCounts& counts) {
-  met.fill(INFINITE);
+  distances.fill(INFINITE);
   const float margin = wallMargin(region, error);
   const auto lookAlong = [&](float height) {
     const Vec3f start = region.center + region.normal * height;
     for (size_t i = 0; i < N; ++i) {
       Hit hit;
-      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, met[i])}, region.normal, hit,
-                         counts))
+      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, distances[i])}, region.normal,
+                         hit, counts))
         continue;
-      met[i] = hit.t;
+      distances[i] = hit.t;
       Vec3f normal = hit.point.geometricNormal;
       if (glm::dot(normal, directions[i]) > 0) normal = -normal;
       const Vec3f position = hit.point.position + normal * margin;
@@ -318,7 +318,7 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
   const Vec2f u = boundary.sampler.next2D();
   const float free = freeHeight(*boundary.known, region.radius);
   float cosines = 0;
-  int met = 0;
+  int hitCount = 0;
   const float fraction = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
     const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
     const float start = std::max(height, free); // geometry above the support hides the surface below
@@ -334,10 +334,10 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
       q = region.distance2(hit.point.position - region.center) / square(region.radius);
     if (cosine <= GatherRegion::MIN_COSINE || q > 1) return 0.0f;
     cosines += cosine;
-    ++met;
+    ++hitCount;
     return shape(q) / cosine;
   });
-  return {fraction, met > 0 ? cosines / static_cast<float>(met) : 1};
+  return {fraction, hitCount > 0 ? cosines / static_cast<float>(hitCount) : 1};
 }
 
 /** Radius over that of a measured support in which the mean cosine would be `minCosine`: on a sphere, 1 -
@@ -352,11 +352,11 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
                       TransportCounts& counts) {
   if (!boundary.known || region.radius > boundary.known->reach - boundary.away) {
     constexpr int DIRECTIONS = 8;
-    std::array<float, DIRECTIONS> met;
+    std::array<float, DIRECTIONS> wallDistances;
     boundary.probed = {};
     boundary.probed.reach = region.radius;
     findWalls(boundary.scene, error, region, directions<DIRECTIONS>(region.normal, boundary.sampler.next1D()),
-              met, boundary.probed, counts);
+              wallDistances, boundary.probed, counts);
     boundary.known = &boundary.probed;
     boundary.away = 0;
   }

@@ -60,7 +60,7 @@ class Estimate {
            CameraState cameraState, std::vector<Candidate>& candidates)
       : candidates(candidates), scattering(scattering), eye(eye), weighting(settings.weighting),
         cameraState(cameraState), states(classes.lightStateCount()), weighed(settings.weighedAgainstRays),
-        merging(weights.merging), unknownWeight(weights.unknownWeight),
+        mergeDensity(weights.mergeDensity), unknownWeight(weights.unknownWeight),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal), cosines(point.normalTowards(eye), shadingSide) {
@@ -193,7 +193,7 @@ class Estimate {
     if (isBlack(f) || !(weighed || weighting.ever())) return f;
     const float pdf = scattering.pdfNonDelta(eye, light);
     return f * (weighting.gathered(pdf) *
-                (weighed ? photonWeight(reverseRatio, merging, pdf, unknownWeight) : 1));
+                (weighed ? photonWeight(reverseRatio, mergeDensity, pdf, unknownWeight) : 1));
   }
 
   /** Weights of photons at a Lambertian surface; 0 from behind the shading normal. */
@@ -212,7 +212,7 @@ class Estimate {
     }
     const Float8 ratio = Float8::load(block.reverseRatios);
     const Float8 share =
-        Float8(merging) / max(Float8(merging) + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
+        Float8(mergeDensity) / max(Float8(mergeDensity) + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
     return weight * select(less(Float8(0), ratio), share, Float8(unknownWeight));
   }
 
@@ -230,7 +230,7 @@ class Estimate {
   CameraState cameraState;
   size_t states;
   bool weighed;
-  float merging, unknownWeight;
+  float mergeDensity, unknownWeight;
   bool lambertian;
   Vec3f shadingSide;
   bool bent; ///< the shading normal differs from the geometric normal
@@ -344,7 +344,8 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   ++out.counts.gathers;
   GatherResult result;
   result.unknownWeight = settings.unknownWeight;
-  result.merging = mergingWithin(settings.merging, square(std::max(settings.radius, footprint / 2)));
+  result.mergeDensity =
+      mergeDensityWithin(settings.mergeDensity, square(std::max(settings.radius, footprint / 2)));
   if (map.empty()) return result;
   GatherRegion region;
   region.center = point.position;
@@ -354,7 +355,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
-  result.merging = mergingWithin(settings.merging, support.radius2);
+  result.mergeDensity = mergeDensityWithin(settings.mergeDensity, support.radius2);
   result.unknownWeight = settings.unknownWeightWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
@@ -402,13 +403,13 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
   thread_local PhotonScratch scratch;
   const Support support = findKernelSupport(map, settings, region, error, 0, boundary, scratch, counts);
   if (support.empty) return BLACK;
-  const float merging = mergingWithin(settings.merging, square(settings.radius));
+  const float mergeDensity = mergeDensityWithin(settings.mergeDensity, square(settings.radius));
   const PowerSum s =
       sumPower(map, support, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
         if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
-          shares[lane] = photonWeight(block.reverseRatios[lane], merging,
+          shares[lane] = photonWeight(block.reverseRatios[lane], mergeDensity,
                                       absDot(block.direction(lane), normal) * INV_PI, settings.unknownWeight);
         return weight * Float8::load(shares);
       });

@@ -36,11 +36,11 @@ struct GatherSettings {
   float radius = 0;          ///< search radius, or its maximum if `nearest` is set [scene units]
   float flatness = 0.2f;     ///< flatness of the search region, see GatherRegion
   GatherWeighting weighting; ///< against rays that follow sharp lobes; default: no such rays
-  /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h. `merging`:
-   * merging factor of unit kernel area. `unknownWeight`: weight of photons whose ratio is unknown; of all
+  /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h. `mergeDensity`:
+   * merge density of unit kernel area. `unknownWeight`: weight of photons whose ratio is unknown; of all
    * photons if they are not weighed. */
   bool weighedAgainstRays = false;
-  float merging = 0, unknownWeight = 1;
+  float mergeDensity = 0, unknownWeight = 1;
   /** Whether the caller's rays add the light that photons lack. The unknown weight then depends on the
    * support: it follows from `errors` if photons are weighed; else it is `unknownWeight` times the support's
    * fraction of the area within `radius`, so that no photon is brighter than over that area. Requires
@@ -58,7 +58,7 @@ struct GatherSettings {
 struct GatherResult {
   float radius = 0;        ///< radius of the support [scene units]
   int found = 0;           ///< number of photons in the support
-  float merging = 0;       ///< merging factor of the kernel's whole area, see MergeRatio
+  float mergeDensity = 0;  ///< merge density of the kernel's whole area, see MergeRatio
   float unknownWeight = 1; ///< see GatherSettings::unknownWeightWithin()
 };
 

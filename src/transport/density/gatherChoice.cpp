@@ -27,7 +27,7 @@ double quantile(std::vector<double>& values, double p) {
   return values[size_t(i)];
 }
 
-/** Photons around visible points. */
+/** Photon counts, radii and pixel widths of density estimates at visible points. */
 struct PhotonsAround {
   std::vector<double> radii;  ///< radius of the k nearest photons, where so many were found [scene units]
   std::vector<double> counts; ///< photons found
@@ -98,7 +98,8 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
   if (anyRadius) search.radius = 2 * scene.bounds().radius;
   if (requested.nearest == 0 && anyRadius) search.nearest = range.least;
   if (seen.empty()) {
-    statistics.notes.push_back("the camera sees no diffuse surface: photons are not used");
+    statistics.notes.push_back(
+        "the camera sees no surface that uses photons: mirrors, glass and background only");
     return choice;
   }
   PhotonsAround around = searchAround(seen, map, search);
@@ -122,7 +123,7 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
     statistics.warnings.push_back("no photon was stored: the picture shows emitted light only. Check that "
                                   "the lights illuminate a surface");
   else if (map.empty())
-    statistics.notes.push_back("no photon was stored: the scene has direct light only, or none");
+    statistics.notes.push_back("no photon of indirect light was stored on a surface");
   else if (!progressive) // more passes reduce both artifacts
     warnOfArtifacts(quantile(around.counts, 0.5), typical, sceneRadius, statistics.warnings);
   return choice;

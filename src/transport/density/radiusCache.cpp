@@ -121,7 +121,7 @@ class PlaceFinder {
       double bias2 = 0;
       for (size_t j = 0; j < best; ++j) bias2 += errors.sureBias2(j);
       record.bias2 = static_cast<float>(biasWeight * bias2 / evidence.recordCount);
-      if (rays.lights) record.worth = worth(errors, best, double(record.bias2), evidence.recordCount);
+      if (rays.lights) record.benefit = benefitOf(errors, best, double(record.bias2), evidence.recordCount);
       if (best == SupportErrors::OWN) return;
       settle(
           record, i, [&](const GatherRegion&) { return radius * ofArea(best); }, taskCounts);
@@ -226,7 +226,7 @@ class PlaceFinder {
   }
 
   /** Gain of a gather over rays, from sums over `evidence` records. */
-  static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
+  static GatherBenefit benefitOf(const SupportErrors& sum, size_t best, double bias2, int evidence) {
     const double n = evidence, irradiance2 = square(sum.irradiance / n);
     const double all2 = square((sum.irradiance + sum.direct) / n);
     const double byRays = std::max(0.0, sum.rays2[best] / n - irradiance2);

@@ -34,7 +34,7 @@ class RadiusCache {
    * a record is the distance to the k-th photon, k = search.nearest, at most search.radius, or search.radius
    * if k = 0; coveredFraction() may reduce it. With k > 0 and alpha > 0, see radiusScale(), the errors of
    * this support are estimated, and if `choosesAreas` a support of a different area replaces it where the
-   * expected error over many passes is less. With rays.lights, Record::worth is estimated too. Geometric
+   * expected error over many passes is less. With rays.lights, Record::benefit is estimated too. Geometric
    * normals of `seen` must point to the viewer. The map is not used afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
@@ -56,7 +56,7 @@ class RadiusCache {
      * variance, and squared bias times its weight against variance over many passes [W²/m⁴]. The variance is
      * infinite if the errors are unknown. */
     float irradiance = 0, variance = INFINITE, bias2 = 0;
-    GatherWorth worth;
+    GatherBenefit benefit;
     Neighbourhood around;
   };
   const Record& record(size_t i) const { return records[i]; }

@@ -26,8 +26,8 @@ std::vector<size_t> distantLights(const Scene& scene) {
   return found;
 }
 
-/** Adds the exits of `across`² camera paths. */
-void findExits(const Scene& scene, const std::vector<size_t>& distant, int across, uint64_t seed,
+/** Adds the exits of `resolution`² camera paths. */
+void findExits(const Scene& scene, const std::vector<size_t>& distant, int resolution, uint64_t seed,
                std::vector<CameraExit>& exits, TransportCounts& counts) {
   constexpr int MAX_DEPTH = 5;
   constexpr uint64_t STREAM = 0x504f5254414cull;
@@ -57,7 +57,7 @@ void findExits(const Scene& scene, const std::vector<size_t>& distant, int acros
     }
   };
   for (const Exits& row :
-       followCameraPaths(scene, across, MAX_DEPTH, hashCombine(seed, STREAM), counts, Exits(), follow))
+       followCameraPaths(scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, Exits(), follow))
     exits.insert(exits.end(), row.begin(), row.end());
 }
 
@@ -107,13 +107,13 @@ void moveToCrossings(std::vector<CameraExit>& exits, uint64_t seed) {
 }
 
 /** Exits of as many rounds of camera paths as needed to find openings. */
-std::vector<CameraExit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int across,
+std::vector<CameraExit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int resolution,
                                 uint64_t seed, TransportCounts& counts) {
   constexpr size_t MANY = 8 * MIN_EXITS;
   constexpr int ROUNDS = 4;
   std::vector<CameraExit> exits;
   for (int round = 0; round < ROUNDS; ++round) {
-    findExits(scene, distant, across, hashCombine(seed, uint64_t(round)), exits, counts);
+    findExits(scene, distant, resolution, hashCombine(seed, uint64_t(round)), exits, counts);
     // Further rounds refine small holes that few paths find; a closed room needs none.
     if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
   }
@@ -125,8 +125,8 @@ std::vector<CameraExit> exitsOf(const Scene& scene, const std::vector<size_t>& d
 std::vector<CameraExit> exitCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   const FilmSettings& film = scene.film();
   const double pixels = double(film.width) * double(film.height);
-  const int across = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
-  std::vector<CameraExit> exits = exitsOf(scene, {}, across, seed, counts);
+  const int resolution = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
+  std::vector<CameraExit> exits = exitsOf(scene, {}, resolution, seed, counts);
   std::vector<CameraExit> crossings = exits;
   moveToCrossings(crossings, seed);
   if (crossings.size() >= MIN_EXITS) return crossings;

@@ -10,22 +10,22 @@
 
 namespace recurse {
 
-/** Starts a camera path at the centre of each of across x across cells of the film, and passes it to
+/** Starts a camera path at the centre of each of resolution x resolution cells of the film, and passes it to
  * follow(row, path, walker, sampler, counts) with the results of its row of cells. Rows are followed in
  * parallel; their results are returned in order. `maxDepth`: maximum scattering events of a path. */
 template <class Row, class Follow>
-std::vector<Row> followCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
+std::vector<Row> followCameraPaths(const Scene& scene, int resolution, int maxDepth, uint64_t seed,
                                    TransportCounts& counts, const Row& empty, const Follow& follow) {
   const PathClasses allPaths;
-  std::vector<Row> rows(static_cast<size_t>(across), empty);
+  std::vector<Row> rows(static_cast<size_t>(resolution), empty);
   std::vector<TransportCounts> rowCounts(rows.size());
   const PixelBounds film = scene.film().whole();
   parallelFor(rows.size(), [&](size_t y) {
     CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, InMedia::IGNORE);
-    for (int x = 0; x < across; ++x) {
+    for (int x = 0; x < resolution; ++x) {
       Sampler sampler(seed, y, static_cast<uint32_t>(x));
       CameraSample sample;
-      sample.film = film.middleOfCell(x, static_cast<int>(y), across);
+      sample.film = film.middleOfCell(x, static_cast<int>(y), resolution);
       if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
       const std::optional<CameraRay> ray = scene.camera().validRay(sample);
       if (!ray) continue;

@@ -67,7 +67,7 @@ class EquiangularDistance {
 /** Number of shadow rays towards lights that start along a ray. */
 struct RaysToLights {
   int area = 1;   ///< towards area lights, whose shadows in a medium have soft edges
-  int others = 1; ///< towards all other lights, at least as many: their shadows are sharp
+  int others = 1; ///< towards all other lights; at least `area`, since their shadows are sharp
 
   int to(const Light& light) const { return light.kind() == LightKind::AREA ? area : others; }
 };

@@ -121,9 +121,9 @@ ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSam
     else
       c = middle + 1;
   }
-  const double below = c > 0 ? upTo(context, c - 1) : 0, part = upTo(context, c) - below;
-  const auto [light, probability] =
-      chooseBelow(clusters[c], context.position, (double(u) - below) / part, part, u);
+  const double below = c > 0 ? upTo(context, c - 1) : 0, clusterProbability = upTo(context, c) - below;
+  const auto [light, probability] = chooseBelow(
+      clusters[c], context.position, (double(u) - below) / clusterProbability, clusterProbability, u);
   return {&lights[order[light]], static_cast<float>(probability), order[light]};
 }
 
@@ -133,9 +133,9 @@ LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec
   while (!way.atLight()) {
     const double left = way.left();
     const bool toTheLeft = uCluster < left;
-    const double part = toTheLeft ? left : 1 - left;
-    uCluster = (toTheLeft ? uCluster : uCluster - left) / part;
-    probability *= part;
+    const double branchProbability = toTheLeft ? left : 1 - left;
+    uCluster = (toTheLeft ? uCluster : uCluster - left) / branchProbability;
+    probability *= branchProbability;
     way.go(toTheLeft);
   }
   u = std::min(static_cast<float>(uCluster), ONE_MINUS_EPSILON);
@@ -270,15 +270,15 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
   for (const Arrival& a : arrivals) box.add(a.position);
   // Distributes probability 1 over the clusters from the root down.
   const auto dealOut = [&](const auto& left, const auto& deal) {
-    const auto visit = [&](const auto& self, Descent way, double part) -> void {
+    const auto visit = [&](const auto& self, Descent way, double probability) -> void {
       const size_t c = clusterOf[way.where().first];
-      if (way.where().node == clusters[c].node) return deal(c, part);
+      if (way.where().node == clusters[c].node) return deal(c, probability);
       const double toTheLeft = left(way);
       Descent other = way;
       way.go(true);
       other.go(false);
-      self(self, way, part * toTheLeft);
-      self(self, other, part * (1 - toTheLeft));
+      self(self, way, probability * toTheLeft);
+      self(self, other, probability * (1 - toTheLeft));
     };
     visit(visit,
           Descent(*this, box.center(), lengthSquared(box.diagonal() / 2.0f),
@@ -291,10 +291,11 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
   const double all = std::accumulate(guess.begin(), guess.end(), 0.0);
   constexpr double BY_DISTANCE = 0.1;
   dealOut([](const Descent& way) { return way.left(); },
-          [&](size_t c, double part) {
-            guess[c] = all > 0 ? BY_DISTANCE * part + (1 - BY_DISTANCE) * guess[c] / all : part;
+          [&](size_t c, double probability) {
+            guess[c] = all > 0 ? BY_DISTANCE * probability + (1 - BY_DISTANCE) * guess[c] / all : probability;
           });
-  std::vector<double> guesses(count + 1, 0), photons(count + 1, 0); // sums over all clusters before
+  std::vector<double> guesses(count + 1, 0),
+      photons(count + 1, 0); // prefix sums: entry c is the sum before cluster c
   for (const Arrival& a : arrivals) photons[clusterOf[a.light] + 1] += 1;
   for (size_t c = 0; c < count; ++c) {
     guesses[c + 1] = guesses[c] + guess[c];
@@ -306,11 +307,11 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
         const size_t first = clusterOf[way.where().first], middle = clusterOf[way.middle()],
                      end = clusterOf[way.where().end - 1] + 1;
         const double guessed = guesses[end] - guesses[first];
-        const double part = guessed > 0 ? (guesses[middle] - guesses[first]) / guessed : way.left();
-        return (photons[middle] - photons[first] + PRIOR * part) / (photons[end] - photons[first] + PRIOR);
+        const double prior = guessed > 0 ? (guesses[middle] - guesses[first]) / guessed : way.left();
+        return (photons[middle] - photons[first] + PRIOR * prior) / (photons[end] - photons[first] + PRIOR);
       },
-      [&](size_t c, double part) {
-        sum += (1 - EVEN_PART) * part + EVEN_PART / double(count);
+      [&](size_t c, double probability) {
+        sum += (1 - EVEN_PART) * probability + EVEN_PART / double(count);
         table[c] = static_cast<float>(sum);
       });
 }
@@ -348,8 +349,8 @@ void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const
 void LightSampler::look(const Scene& scene, uint32_t index, Found& found) const {
   Sampler sampler(0, LOOK_STREAM, index);
   BsdfArena arena;
-  const Vec2f across(scene.film().width, scene.film().height);
-  CameraSample sample{sampler.next2D() * across};
+  const Vec2f filmSize(scene.film().width, scene.film().height);
+  CameraSample sample{sampler.next2D() * filmSize};
   if (scene.camera().usesLens()) sample.lens = sampler.next2D();
   if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
   const std::optional<CameraRay> seen = scene.camera().validRay(sample);

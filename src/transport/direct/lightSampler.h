@@ -77,7 +77,7 @@ class LightSampler {
   struct Cluster {
     uint32_t node, first, end;
   };
-  /** Node of a kd-tree over the positions of arrivals on one side. Leaves have axis 3. */
+  /** Node of a kd-tree over photon positions, one tree per class of normals (sideOf()). axis 3: leaf. */
   struct Cell {
     uint32_t axis = 3;
     float at = 0, band = 0; ///< split position; both children are blended within `band` of it

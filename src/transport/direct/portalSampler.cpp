@@ -208,10 +208,11 @@ PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, Tr
       moments.relative[k] += ofPath[k] / square(radiance);
     }
   };
-  const int across = std::min(MAX_ACROSS, static_cast<int>(std::sqrt(double(scene.film().whole().area()))));
+  const int resolution =
+      std::min(MAX_ACROSS, static_cast<int>(std::sqrt(double(scene.film().whole().area()))));
   SecondMoments sums;
   for (const SecondMoments& row :
-       followCameraPaths(scene, across, MAX_DEPTH, SHADOW_PORTAL_STREAM, counts, sums, follow))
+       followCameraPaths(scene, resolution, MAX_DEPTH, SHADOW_PORTAL_STREAM, counts, sums, follow))
     for (size_t k = 0; k < PARTS.size(); ++k) {
       sums.absolute[k] += row.absolute[k];
       sums.relative[k] += row.relative[k];

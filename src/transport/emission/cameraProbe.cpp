@@ -69,12 +69,13 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
 }
 
 /** Calls probe(ray, sampler) for a grid of camera rays over the image. */
-template <class Probe> void forCameraRays(const Scene& scene, int across, uint64_t seed, const Probe& probe) {
+template <class Probe>
+void forCameraRays(const Scene& scene, int resolution, uint64_t seed, const Probe& probe) {
   const PixelBounds film = scene.film().whole();
-  for (int y = 0; y < across; ++y)
-    for (int x = 0; x < across; ++x) {
+  for (int y = 0; y < resolution; ++y)
+    for (int x = 0; x < resolution; ++x) {
       Sampler sampler(seed, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-      CameraSample sample{film.middleOfCell(x, y, across)};
+      CameraSample sample{film.middleOfCell(x, y, resolution)};
       if (scene.camera().usesLens()) sample.lens = sampler.next2D();
       if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
       if (const std::optional<CameraRay> ray = scene.camera().validRay(sample)) probe(*ray, sampler);
@@ -110,10 +111,10 @@ void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegio
 
 } // namespace
 
-std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
+std::vector<VisiblePoint> probeCamera(const Scene& scene, int resolution, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts) {
   std::vector<VisiblePoint> seen;
-  forCameraRays(scene, across, seed, [&](const CameraRay& ray, const Sampler& sampler) {
+  forCameraRays(scene, resolution, seed, [&](const CameraRay& ray, const Sampler& sampler) {
     const auto pass = [](const CameraRay&, float, const Medium&) {};
     if (const auto visible = firstDiffuse(scene, ray, sampler, weighting, counts, pass))
       seen.push_back(*visible);

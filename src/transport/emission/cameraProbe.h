@@ -18,10 +18,11 @@ struct VisiblePoint {
   bool transmits = false; ///< whether its BSDF has a transmission lobe
 };
 
-/** Visible points of a grid of `across`² camera paths over the image. They follow the strongest delta lobe
- * of a surface, and sample a rough lobe that `weighting` leaves to rays. Paths without a point are omitted.
+/** Visible points of a grid of `resolution`² camera paths over the image. They follow the strongest delta
+ * lobe of a surface, and sample a rough lobe that `weighting` leaves to rays. Paths without a point are
+ * omitted.
  */
-std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
+std::vector<VisiblePoint> probeCamera(const Scene& scene, int resolution, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);
 
 /** Region around the visible points, and around camera rays in media, that photons are guided to. */

@@ -64,15 +64,15 @@ Vec3f BoxBlock::center(size_t lane) const {
 
 float BoxBlock::radius(size_t lane) const { return std::sqrt(radii2[static_cast<int>(lane)]); }
 
-BoxBlock::Line::Line(const Light& light, const LeRay& ray, float own)
-    : origin(ray.origin), direction(ray.direction), inverse(Vec3f(1) / ray.direction), own(own),
-      infinite(light.isInfinite()) {
+BoxBlock::Line::Line(const Light& light, const LeRay& ray, float lightDensity)
+    : origin(ray.origin), direction(ray.direction), inverse(Vec3f(1) / ray.direction),
+      lightDensity(lightDensity), infinite(light.isInfinite()) {
   LeRay back = ray;
   back.direction = -ray.direction;
   if (!infinite && ray.normal != Vec3f(0) && light.pdfLe(back).direction > 0) factor = 0.5f;
 }
 
-Float8 BoxBlock::acrossSilhouettes(const Line& line, uint32_t met) const {
+Float8 BoxBlock::acrossSilhouettes(const Line& line, uint32_t hitBoxes) const {
   Float8 from(-INFINITE), to(INFINITE), inside = Float8::lanes(0xff), silhouette(0);
   for (size_t i = 0; i < 3; ++i) {
     const auto axis = static_cast<int>(i);
@@ -87,11 +87,11 @@ Float8 BoxBlock::acrossSilhouettes(const Line& line, uint32_t met) const {
     from = max(from, min(a, b));
     to = min(to, max(a, b));
   }
-  const uint32_t hit = met | bits(inside & lessEqual(from, to) & less(Float8(0), silhouette));
+  const uint32_t hit = hitBoxes | bits(inside & lessEqual(from, to) & less(Float8(0), silhouette));
   return hit == 0 ? Float8(0) : Float8(1) / silhouette & Float8::lanes(hit);
 }
 
-Float8 BoxBlock::inCones(const Line& line, uint32_t met) const {
+Float8 BoxBlock::inCones(const Line& line, uint32_t hitBoxes) const {
   std::array<Float8, 3> way;
   Float8 distance2(0), apart2(0);
   for (size_t i = 0; i < 3; ++i) {
@@ -105,9 +105,9 @@ Float8 BoxBlock::inCones(const Line& line, uint32_t met) const {
   }
   // 1 - cosine of the half-angle of the cone, without cancellation.
   const Float8 opening = sine2 / (Float8(1) + sqrt(max(Float8(0), Float8(1) - sine2)));
-  const uint32_t hit = met | bits(lessEqual(apart2, Float8(2) * opening) & less(Float8(0), opening));
+  const uint32_t hit = hitBoxes | bits(lessEqual(apart2, Float8(2) * opening) & less(Float8(0), opening));
   const Float8 density = Float8(line.factor * INV_PI / 2) / opening & Float8::lanes(hit);
-  return select(less(sine2, Float8(1)), density, Float8(line.own));
+  return select(less(sine2, Float8(1)), density, Float8(line.lightDensity));
 }
 
 void EmissionBoxes::learn(const Scene& scene, uint64_t seed, TransportCounts& counts) {

@@ -23,28 +23,28 @@ class BoxBlock {
   /** Bounding sphere of a box [scene units]. */
   Vec3f center(size_t lane) const;
   float radius(size_t lane) const;
-  /** Emitted ray whose densities are asked for. `own`: density by the light's own sampling. */
+  /** Emitted ray whose densities are asked for. `lightDensity`: density by the light's own sampling. */
   struct Line {
-    Line(const Light& light, const LeRay& ray, float own);
+    Line(const Light& light, const LeRay& ray, float lightDensity);
     Vec3f origin, direction, inverse; ///< inverse: 1 / direction
-    float own;
+    float lightDensity;
     float factor = 1; ///< one half for lights that sample one of two sides before the direction
     bool infinite;
   };
   /**
    * Density with which a ray is sampled through each box. For infinite lights: of origins across the
    * direction, uniform over the silhouette [1/area]; 0 where the ray misses. For finite lights: of
-   * directions, uniform in the cone around the bounding sphere [1/sr]; 0 outside of the cone, the own density
-   * where the sphere encloses the origin. `met`: bits of the boxes that the ray hits even if rounding denies
-   * it.
+   * directions, uniform in the cone around the bounding sphere [1/sr]; 0 outside of the cone, `lightDensity`
+   * where the sphere encloses the origin. `hitBoxes`: bits of the boxes that the ray hits even if rounding
+   * denies it.
    */
-  Float8 density(const Line& line, uint32_t met) const {
-    return line.infinite ? acrossSilhouettes(line, met) : inCones(line, met);
+  Float8 density(const Line& line, uint32_t hitBoxes) const {
+    return line.infinite ? acrossSilhouettes(line, hitBoxes) : inCones(line, hitBoxes);
   }
 
  private:
-  Float8 acrossSilhouettes(const Line& line, uint32_t met) const;
-  Float8 inCones(const Line& line, uint32_t met) const;
+  Float8 acrossSilhouettes(const Line& line, uint32_t hitBoxes) const;
+  Float8 inCones(const Line& line, uint32_t hitBoxes) const;
 
   std::array<Float8, 3> lower{zero(), zero(), zero()}, upper = lower, centers = lower;
   Float8 radii2 = zero();

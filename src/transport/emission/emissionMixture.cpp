@@ -64,7 +64,7 @@ void EmissionMixture::gather(const Scene& scene) {
                          boxes.chances.end());
     const bool hasBoth = infinite && boxes.exitBlocks > 0;
     for (float& chance : group.chances) chance *= (1 - OWN_PART) / (hasBoth ? 2 : 1);
-    group.own = OWN_PART;
+    group.lightSamplingProbability = OWN_PART;
     group.firstGuess = group.chances;
     groups.resize(first + groupCount, group);
     for (size_t i = 0; i < all.size(); ++i)
@@ -91,25 +91,25 @@ LePdf EmissionMixture::pdfLe(uint32_t light, const LeRay& ray) const {
   return pdf;
 }
 
-float EmissionMixture::density(uint32_t light, const LeRay& ray, float own, int met) const {
+float EmissionMixture::density(uint32_t light, const LeRay& ray, float lightDensity, int hitLane) const {
   const Group& group = groupOf(light);
   const Light& emitter = table[light];
-  const BoxBlock::Line line(emitter, ray, own);
+  const BoxBlock::Line line(emitter, ray, lightDensity);
   Float8 total(0);
   for (size_t i = 0; i < group.lanes.size(); ++i) {
-    const uint32_t lanes = met >= 0 && static_cast<size_t>(met) / 8 == i ? 1u << (met % 8) : 0;
+    const uint32_t lanes = hitLane >= 0 && static_cast<size_t>(hitLane) / 8 == i ? 1u << (hitLane % 8) : 0;
     total += group.lanes[i] * boxes.blocks[group.firstBlock + i].density(line, lanes);
   }
-  return group.own * own + sum(total);
+  return group.lightSamplingProbability * lightDensity + sum(total);
 }
 
 void EmissionMixture::redirect(uint32_t light, LeSample& sample, float pick, const Vec2f& u) const {
   const Light& emitter = table[light];
   const Group& group = groupOf(light);
-  int met = -1;
+  int hitLane = -1;
   LeRay ray = sample;
-  if (pick >= group.own) {
-    float remaining = pick - group.own;
+  if (pick >= group.lightSamplingProbability) {
+    float remaining = pick - group.lightSamplingProbability;
     size_t lane = 0;
     for (size_t i = 0; i < group.chances.size(); ++i) {
       if (!(group.chances[i] > 0)) continue;
@@ -121,19 +121,19 @@ void EmissionMixture::redirect(uint32_t light, LeSample& sample, float pick, con
     const BoxBlock& block = boxes.blocks[group.firstBlock + lane / 8];
     if (emitter.isInfinite()) {
       ray.origin = originThrough(block.bounds(lane % 8), bounds, ray.direction, rescaled, u);
-      met = static_cast<int>(lane);
+      hitLane = static_cast<int>(lane);
     } else {
       const Cone cone = Cone::toSphere(ray.origin, block.center(lane % 8), block.radius(lane % 8));
       if (cone.opening < 2) { // else its own sampling
         ray.direction = cone.sample(u);
-        met = static_cast<int>(lane);
+        hitLane = static_cast<int>(lane);
       }
     }
   }
-  if (met < 0 || emitter.isInfinite()) {
+  if (hitLane < 0 || emitter.isInfinite()) {
     // The density of the sample itself: rounding may deny that the light emits in its direction.
     float& replaced = emitter.isInfinite() ? sample.pdfPosition : sample.pdfDirection;
-    const float mixed = density(light, ray, replaced, met);
+    const float mixed = density(light, ray, replaced, hitLane);
     sample.origin = ray.origin;
     sample.flux *= replaced / mixed;
     replaced = mixed;
@@ -143,7 +143,7 @@ void EmissionMixture::redirect(uint32_t light, LeSample& sample, float pick, con
   const float cosine = sample.normal == Vec3f(0) ? 1 : absDot(ray.direction, sample.normal);
   sample.radiance = behind ? BLACK : emitter.radianceTowards(sample, ray.direction);
   sample.direction = ray.direction;
-  sample.pdfDirection = density(light, ray, emitter.pdfLe(ray).direction, met);
+  sample.pdfDirection = density(light, ray, emitter.pdfLe(ray).direction, hitLane);
   sample.flux = sample.radiance * (cosine / (sample.pdfPosition * sample.pdfDirection));
 }
 
@@ -154,12 +154,13 @@ void EmissionMixture::Moments::add(uint32_t light, const LeRay& ray, double squa
   const EmissionMixture& m = mixture;
   const Group& group = m.groupOf(light);
   const Light& emitter = m.table[light];
-  const float own = ownDensity(emitter, emitter.pdfLe(ray));
-  const double scale = squared / (double(group.probability) * double(m.density(light, ray, own, -1)));
+  const float lightDensity = ownDensity(emitter, emitter.pdfLe(ray));
+  const double scale =
+      squared / (double(group.probability) * double(m.density(light, ray, lightDensity, -1)));
   if (!std::isfinite(scale)) return; // a ray on the edge of the only box that samples it
   double* const first = &sums[m.groupOfLight[light] * m.components()];
-  first[0] += scale * double(own);
-  const BoxBlock::Line line(emitter, ray, own);
+  first[0] += scale * double(lightDensity);
+  const BoxBlock::Line line(emitter, ray, lightDensity);
   for (size_t i = 0; i < group.lanes.size(); ++i) {
     const Float8 all = m.boxes.blocks[group.firstBlock + i].density(line, 0);
     for (size_t lane = 0; lane < 8; ++lane)
@@ -183,7 +184,7 @@ void EmissionMixture::adapt(const Moments& moments) {
       learned[g].push_back(double(group.probability) * double(before) * std::sqrt(moment));
       totals[g] += learned[g].back();
     };
-    add(group.own, sums[0]);
+    add(group.lightSamplingProbability, sums[0]);
     for (size_t i = 0; i < group.chances.size(); ++i) add(group.chances[i], sums[1 + i]);
     all += totals[g];
   }
@@ -193,10 +194,12 @@ void EmissionMixture::adapt(const Moments& moments) {
     Group& group = groups[g];
     group.probability = UNLEARNED * group.firstProbability + LEARNED * static_cast<float>(totals[g] / all);
     if (!(totals[g] > 0)) continue;
-    const auto part = [&](size_t i) { return LEARNED * static_cast<float>(learned[g][i] / totals[g]); };
-    group.own = UNLEARNED * OWN_PART + part(0);
+    const auto learnedProbability = [&](size_t i) {
+      return LEARNED * static_cast<float>(learned[g][i] / totals[g]);
+    };
+    group.lightSamplingProbability = UNLEARNED * OWN_PART + learnedProbability(0);
     for (size_t i = 0; i < group.chances.size(); ++i)
-      group.chances[i] = UNLEARNED * group.firstGuess[i] + part(1 + i);
+      group.chances[i] = UNLEARNED * group.firstGuess[i] + learnedProbability(1 + i);
   }
   buildTable();
 }
@@ -223,9 +226,10 @@ void EmissionMixture::buildTable() {
 }
 
 double EmissionMixture::boxPart() const {
-  double part = 0;
-  for (const Group& group : groups) part += double(group.probability) * double(1 - group.own);
-  return part;
+  double fraction = 0;
+  for (const Group& group : groups)
+    fraction += double(group.probability) * double(1 - group.lightSamplingProbability);
+  return fraction;
 }
 
 template <class Value> float EmissionMixture::medianOf(const Value& value) const {

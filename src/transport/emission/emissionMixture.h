@@ -67,10 +67,10 @@ class EmissionMixture {
     /** Before anything is learned: half by power, half uniform, as a lamp indoors may matter more than the
      * sun. */
     float firstProbability = 0;
-    float own = 1;                 ///< probability of the lights' own sampling
-    std::vector<float> chances;    ///< probabilities of the boxes, by lane from firstBlock
-    std::vector<Float8> lanes;     ///< `chances` in blocks
-    std::vector<float> firstGuess; ///< the same before anything is learned
+    float lightSamplingProbability = 1; ///< probability of the lights' own sampling
+    std::vector<float> chances;         ///< probabilities of the boxes, by lane from firstBlock
+    std::vector<Float8> lanes;          ///< `chances` in blocks
+    std::vector<float> firstGuess;      ///< the same before anything is learned
   };
   /** Median of a value of the centres of boxes around camera vertices, by probability. */
   template <class Value> float medianOf(const Value& value) const;
@@ -78,9 +78,10 @@ class EmissionMixture {
   void buildTable();
   const Group& groupOf(uint32_t light) const { return groups[groupOfLight[light]]; }
   size_t components() const { return 1 + 8 * boxes.blocks.size(); }
-  /** Density of the direction, or of the origin of an infinite light. `met`: lane of a box that the ray hits
-   * even if rounding denies it, counted from the first block; negative: none. */
-  float density(uint32_t light, const LeRay& ray, float own, int met) const;
+  /** Density of the direction, or of the origin of an infinite light. `lightDensity`: density by the light's
+   * own sampling. `hitLane`: lane of a box that the ray hits even if rounding denies it, counted from the
+   * first block; negative: none. */
+  float density(uint32_t light, const LeRay& ray, float lightDensity, int hitLane) const;
 
   SceneBounds bounds;
   EmissionBoxes boxes;

@@ -52,9 +52,9 @@ bool EmissionSampler::start(float time, Sampler& sampler, LightStart& start) con
 
 void EmissionSampler::fromMedium(float time, Sampler& sampler, LightStart& start) const {
   const float pick = sampler.next1D();
-  const Vec2f across = sampler.next2D();
+  const Vec2f u = sampler.next2D();
   auto [position, nesting, power, medium] =
-      settings.media->sample(scene, time, pick, {across.x, across.y, sampler.next1D()}, counts);
+      settings.media->sample(scene, time, pick, {u.x, u.y, sampler.next1D()}, counts);
   start.path.ray = {position, uniformSphere(sampler.next2D()), INFINITE, time};
   start.path.throughput = power;
   start.path.state = startInMedium(scene, classes, medium);

@@ -41,14 +41,15 @@ Bounds3f boxOfCells(const Bounds3f& box, const std::vector<double>& cells, int c
 }
 
 /** Calls visit(ray) for rays of unit direction through a box along its axes, in both directions. */
-template <class Visit> void forLinesThrough(const Bounds3f& box, int across, float time, const Visit& visit) {
-  const Vec3f spacing = box.diagonal() / static_cast<float>(across);
+template <class Visit>
+void forLinesThrough(const Bounds3f& box, int resolution, float time, const Visit& visit) {
+  const Vec3f spacing = box.diagonal() / static_cast<float>(resolution);
   for (int way = 0; way < 6; ++way)
-    for (int line = 0; line < square(across); ++line) {
+    for (int line = 0; line < square(resolution); ++line) {
       const int axis = way / 2;
       Vec3f origin = way % 2 ? box.upper : box.lower, direction(0);
       for (const auto& [side, cell] :
-           {std::pair((axis + 1) % 3, line % across), {(axis + 2) % 3, line / across}})
+           {std::pair((axis + 1) % 3, line % resolution), {(axis + 2) % 3, line / resolution}})
         origin[side] = box.lower[side] + (static_cast<float>(cell) + 0.5f) * spacing[side];
       direction[axis] = way % 2 ? -1.0f : 1.0f;
       visit(Ray{origin, direction, INFINITE, time});

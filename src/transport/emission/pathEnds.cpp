@@ -94,8 +94,8 @@ CameraEnd::CameraEnd(const Scene& scene, const CameraRay& ray)
     : CameraEnd(scene, static_cast<const Ray&>(ray)) {
   if (connectable) return;
   parallel = !(ray.spread > 0) && ray.width > 0;
-  const float across = parallel ? ray.width : ray.spread;
-  pdf = across > 0 ? 1 / square(double(across)) : 1;
+  const float extent = parallel ? ray.width : ray.spread;
+  pdf = extent > 0 ? 1 / square(double(extent)) : 1;
 }
 
 } // namespace recurse

@@ -42,7 +42,7 @@ double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightS
 struct ShadowRayStart {
   const SurfacePoint* point = nullptr;     ///< x_j; null: no shadow ray finds the light
   Vec3f towardsCamera{0};                  ///< unit
-  size_t panes = 0;                        ///< number of thin panes: k - 1 - j
+  size_t panes = 0;                        ///< thin panes between x_j and the light x_k: k - 1 - j
   const SurfacePoint* firstPane = nullptr; ///< x_j+1 if there are panes
   const SurfacePoint* lastPane = nullptr;  ///< x_k-1 if there are panes
 };

@@ -49,23 +49,23 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
   std::vector<Trials> parts(batches, Trials(mixture));
   parallelFor(batches, [&](size_t b) {
-    Trials& part = parts[b];
+    Trials& trials = parts[b];
     StoredPhotons stored;
-    PhotonWalk walk(scene, classes, settings, part.counts, stored);
+    PhotonWalk walk(scene, classes, settings, trials.counts, stored);
     for (uint64_t i = b * PHOTON_BATCH; i < std::min(settings.photons, (b + 1) * PHOTON_BATCH); ++i) {
       stored.clear();
       Sampler sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i));
       const float time =
           scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // one guide serves all times
       const LightStart* start = walk.shoot(sampler, time);
-      part.stored += stored.size();
+      trials.stored += stored.size();
       const auto emitted = static_cast<float>(settings.photons);
       double squares = 0;
       for (const Photon& p : stored.onSurfaces) {
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
-        part.powers.push_back(maxComponent(p.power) * emitted);
-        squares += importance * square(double(part.powers.back()));
+        trials.powers.push_back(maxComponent(p.power) * emitted);
+        squares += importance * square(double(trials.powers.back()));
       }
       // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
       constexpr double BY_MEDIUM = 1.0 / 16;
@@ -73,7 +73,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         squares += BY_MEDIUM * double(region.importanceInMedium(p.position)) *
                    square(double(maxComponent(p.power) * emitted));
       if (squares > 0 && start->end.light && mixture.active())
-        part.moments.add(start->end.index, start->end.ray, squares);
+        trials.moments.add(start->end.index, start->end.ray, squares);
     }
   });
   Trials all(mixture);

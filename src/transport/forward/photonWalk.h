@@ -128,16 +128,16 @@ class PhotonWalk {
     constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
     const int count = splitCount(photon.path.throughput, vertex.point().position);
     if (count == 1) return;
-    const float part = 1 / static_cast<float>(count);
-    const auto branch = [&](PhotonPath copy, int i, float keptPart) {
-      Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
-      if (scatter(copy, own, keptPart)) waiting.emplace_back(copy, own);
+    const float fraction = 1 / static_cast<float>(count);
+    const auto branch = [&](PhotonPath copy, int i, float keptFraction) {
+      Sampler branchSampler = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      if (scatter(copy, branchSampler, keptFraction)) waiting.emplace_back(copy, branchSampler);
     };
     const LobeSet allowed = vertex.allowed;
     vertex.allowed = LobeSet(allowed & DELTA_LOBES);
-    branch(photon, 0, part);
+    branch(photon, 0, fraction);
     vertex.allowed = LobeSet(allowed & NON_DELTA_LOBES);
-    photon.path.throughput *= part;
+    photon.path.throughput *= fraction;
     for (int i = 1; i < count; ++i) branch(photon, i, 1);
   }
 
@@ -154,7 +154,7 @@ class PhotonWalk {
   ReverseRatio ratioAfter(const ReverseRatio& before, const Vec3f& direction) const {
     const ScatteringPoint& scattering = *vertex.scattering;
     const SurfacePoint& point = vertex.point();
-    // Not for fibres: both techniques would have to agree on the normal of a curve.
+    // keepsPhotons() is false for fibres: photons and rays would need the same normal on a curve.
     if (!settings.shadowRays || !origin.end.light || !scattering.keepsPhotons()) return {};
     const float pdf = scattering.pdfNonDelta(vertex.wi, direction);
     if (vertex.depth > 1)
@@ -200,12 +200,12 @@ class PhotonWalk {
   /** Stores a photon that a medium scatters, unless the medium stores beams. Returns whether it is stored. */
   bool storeInMedium(const PhotonPath& photon, Sampler& sampler) {
     const uint16_t number = photon.path.nesting.medium(scene);
-    const float part = settings.inMedia.pointPart;
+    const float storedFraction = settings.inMedia.pointPart;
     if (!isStorable(photon) || vertex.allowed == NO_LOBE || settings.inMedia.isByBeams(number) ||
-        (part < 1 && sampler.next1D() >= part))
+        (storedFraction < 1 && sampler.next1D() >= storedFraction))
       return false;
-    out.inMedia.push_back({vertex.point().position, packDirection(-vertex.wi), vertex.throughput / part,
-                           number, vertex.state.byte});
+    out.inMedia.push_back({vertex.point().position, packDirection(-vertex.wi),
+                           vertex.throughput / storedFraction, number, vertex.state.byte});
     if (classes.isTransient()) out.lengths.inMedia.push_back(photon.path.optical.length);
     return true;
   }
@@ -214,14 +214,15 @@ class PhotonWalk {
    * channel samples the beam's length, so that no channel is amplified. */
   void storeBeam(const PhotonPath& photon, uint16_t number, float end, Sampler& sampler) {
     const LightSubpath& path = photon.path;
-    const float part = settings.inMedia.beamPart;
+    const float storedFraction = settings.inMedia.beamPart;
     if (!settings.inMedia.isByBeams(number) || !isStorable(photon) || path.depth == settings.maxDepth ||
-        classes.dead(classes.step(path.state, PathEvent::V)) || (part < 1 && sampler.next1D() >= part))
+        classes.dead(classes.step(path.state, PathEvent::V)) ||
+        (storedFraction < 1 && sampler.next1D() >= storedFraction))
       return;
     const float distance =
         flight::sampleDistance(thinnest(scene.medium(number)->at(path.ray.origin).extinction()), sampler);
-    out.beams.push_back({path.ray.origin, path.ray.direction, std::min(end, distance), path.throughput / part,
-                         number, path.state.byte});
+    out.beams.push_back({path.ray.origin, path.ray.direction, std::min(end, distance),
+                         path.throughput / storedFraction, number, path.state.byte});
     if (classes.isTransient()) out.lengths.beams.push_back(path.optical.length);
   }
 

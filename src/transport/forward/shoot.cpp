@@ -26,17 +26,18 @@ constexpr size_t FIRST_BATCHES = 64;
 template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
   static_assert(std::is_trivially_copyable_v<T>);
   const uint64_t count = values.size();
-  for (const auto& part : {std::as_bytes(std::span(&count, 1)), std::as_bytes(std::span(values))})
-    out.insert(out.end(), part.begin(), part.end());
+  for (const auto& bytes : {std::as_bytes(std::span(&count, 1)), std::as_bytes(std::span(values))})
+    out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
 template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector<T>& values) {
   uint64_t count = 0;
   std::memcpy(&count, bytes.data(), sizeof count);
   values.resize(count);
-  const auto own = bytes.subspan(sizeof count, count * sizeof(T));
-  if (!own.empty()) std::memcpy(static_cast<void*>(values.data()), own.data(), own.size());
-  bytes = bytes.subspan(sizeof count + own.size());
+  const auto valueBytes = bytes.subspan(sizeof count, count * sizeof(T));
+  if (!valueBytes.empty())
+    std::memcpy(static_cast<void*>(values.data()), valueBytes.data(), valueBytes.size());
+  bytes = bytes.subspan(sizeof count + valueBytes.size());
 }
 
 /** Serialises the photons of a batch for a different process. */
@@ -50,9 +51,9 @@ void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
   std::apply([&](auto&... lists) { (readBytes(bytes, lists), ...); }, stored.lists());
 }
 
-template <class T> void moveTo(std::vector<T>& all, std::vector<T>& part) {
-  all.insert(all.end(), part.begin(), part.end());
-  std::vector<T>().swap(part);
+template <class T> void moveTo(std::vector<T>& all, std::vector<T>& batch) {
+  all.insert(all.end(), batch.begin(), batch.end());
+  std::vector<T>().swap(batch);
 }
 
 /** Photons of a batch, and their counts. */

@@ -27,11 +27,11 @@ DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const 
     const bool shared = !first.sharedGroup.empty() && first.sharedGroup == second.sharedGroup;
     if (!shared) report.overlaps.push_back({first.estimator, second.estimator, o.example});
   }
-  const PathAutomaton rest = leftOver(PathAutomaton::compile(covers), covered);
-  if (!rest.isEmpty()) {
-    report.uncovered = rest.exampleWords(4, 2);
-    if (report.uncovered.empty()) report.uncovered = {rest.shortestWord()};
-    report.uncoveredExpression = rest.toExpression();
+  const PathAutomaton uncoveredPaths = leftOver(PathAutomaton::compile(covers), covered);
+  if (!uncoveredPaths.isEmpty()) {
+    report.uncovered = uncoveredPaths.exampleWords(4, 2);
+    if (report.uncovered.empty()) report.uncovered = {uncoveredPaths.shortestWord()};
+    report.uncoveredExpression = uncoveredPaths.toExpression();
   }
   return report;
 }

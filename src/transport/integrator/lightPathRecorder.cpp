@@ -5,9 +5,9 @@
 
 namespace recurse {
 
-void LightPathRecorder::append(const std::vector<RecordedLightVertex>& part) {
+void LightPathRecorder::append(const std::vector<RecordedLightVertex>& vertices) {
   const int offset = static_cast<int>(list.size());
-  for (RecordedLightVertex vertex : part) {
+  for (RecordedLightVertex vertex : vertices) {
     if (vertex.previous != NOT_RECORDED) vertex.previous += offset;
     list.push_back(vertex);
   }

@@ -57,7 +57,7 @@ class PathRecorder {
 };
 
 Records cameraRecords(const Scene& scene, const LightSampler& lights, const GuideField& guide,
-                      const GuideTrainingSettings& settings, int across, uint64_t seed,
+                      const GuideTrainingSettings& settings, int resolution, uint64_t seed,
                       const ForwardControl& control, TransportCounts& counts) {
   const PathClasses classes;
   const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
@@ -94,7 +94,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
   };
   Records all;
   for (const Records& row :
-       followCameraPaths(scene, across, settings.maxDepth, seed, counts, Records(), follow))
+       followCameraPaths(scene, resolution, settings.maxDepth, seed, counts, Records(), follow))
     all.insert(all.end(), row.begin(), row.end());
   return all;
 }
@@ -104,7 +104,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const Pass& pass, double count,
                                                        const ForwardControl& control,
                                                        TransportCounts& counts) {
-  constexpr uint64_t TRIALS = 8192; // photons of a round that learn where to start
+  constexpr uint64_t TRIALS = 8192; // photons per round of emission learning
   const PathClasses allPaths;
   if (stage < 0)
     emission = learnEmission(scene, allPaths, pass.seed, settings.maxDepth, control, counts, TRIALS);
@@ -141,8 +141,8 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     const Records photons = photonsOfStage(scene, training, PHOTONS * paths, control, counts);
     GuideField byPhotons;
     if (stage < 0) byPhotons.build(photons, smallest);
-    const auto across = static_cast<int>(std::sqrt(paths));
-    const Records more = cameraRecords(scene, lights, stage < 0 ? byPhotons : field, settings, across,
+    const auto resolution = static_cast<int>(std::sqrt(paths));
+    const Records more = cameraRecords(scene, lights, stage < 0 ? byPhotons : field, settings, resolution,
                                        training.seed, control, counts);
     if (control.stopped()) return;
     records.insert(records.end(), photons.begin(), photons.end());

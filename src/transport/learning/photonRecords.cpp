@@ -19,7 +19,7 @@ std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, con
   counts.add(shot.counts);
   std::vector<GuideRecord> records;
   for (const Photon& p : shot.stored) {
-    // No ray can hit the light of a caustic photon whose reverse ratio is 0.
+    // reverseRatio 0: no ray can hit this light; skip its caustic photons.
     if (p.caustic && !(caustics && p.reverseRatio > 0)) continue;
     GuideRecord r;
     r.position = p.position;

@@ -41,11 +41,11 @@ class BoxPyramid {
       });
   }
 
-  /** Calls part(first, end) for the item ranges of nodes with 36 to 72 items, or for all items if they are
+  /** Calls visit(first, end) for the item ranges of nodes with 36 to 72 items, or for all items if they are
    * fewer, in parallel. */
-  template <class Part> void forParts(const Part& part) const {
+  template <class Visit> void forParts(const Visit& visit) const {
     const uint32_t level = levels - std::min(levels, LEVELS_OF_PART);
-    parallelFor(size_t(1) << level, [&](size_t i) { part(firstOf(level, i), firstOf(level, i + 1)); });
+    parallelFor(size_t(1) << level, [&](size_t i) { visit(firstOf(level, i), firstOf(level, i + 1)); });
   }
 
   /** Computes the boxes: add(box, i) extends a box by item i. */

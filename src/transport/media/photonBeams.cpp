@@ -52,13 +52,13 @@ void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest
   const auto middle = [&](const Piece& p) { return point(p, (p.begin + p.end) / 2); };
   tree.sort(pieces, middle);
   tree.forParts([&](size_t first, size_t end) {
-    Bounds3f part;
-    double inPart = 0;
+    Bounds3f bounds;
+    double totalLength = 0;
     for (size_t k = first; k < end; ++k) {
-      part.add(middle(pieces[k]));
-      inPart += double(pieces[k].end - pieces[k].begin);
+      bounds.add(middle(pieces[k]));
+      totalLength += double(pieces[k].end - pieces[k].begin);
     }
-    float radius = inPart > 0 ? RADIUS * spacingIn(part, inPart) : 0;
+    float radius = totalLength > 0 ? RADIUS * spacingIn(bounds, totalLength) : 0;
     if (!(radius > 0)) radius = widest; // all in one point
     for (size_t k = first; k < end; ++k) pieces[k].radius = scale * std::min(radius, widest);
   });

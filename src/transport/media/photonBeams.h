@@ -53,12 +53,13 @@ class PhotonBeamMap {
     tree.visitAlong(ray, end, [&](size_t i) {
       const Piece& piece = pieces[i];
       const PhotonBeam& beam = beams[piece.beam];
-      const Vec3f across = glm::cross(ray.direction, beam.direction), between = beam.origin - ray.origin;
-      const float sine2 = lengthSquared(across), projected = glm::dot(between, across);
+      const Vec3f perpendicular = glm::cross(ray.direction, beam.direction),
+                  between = beam.origin - ray.origin;
+      const float sine2 = lengthSquared(perpendicular), projected = glm::dot(between, perpendicular);
       if (!(square(projected) < square(piece.radius) * sine2) || sine2 < square(MIN_SINE)) return;
-      const float s = glm::dot(glm::cross(between, ray.direction), across) / sine2;
+      const float s = glm::dot(glm::cross(between, ray.direction), perpendicular) / sine2;
       if (!(s >= piece.begin && s < piece.end)) return;
-      const float t = glm::dot(glm::cross(between, beam.direction), across) / sine2;
+      const float t = glm::dot(glm::cross(between, beam.direction), perpendicular) / sine2;
       if (!(t > 0 && t < end)) return;
       const float u2 = square(projected) / (square(piece.radius) * sine2);
       visit(beam, s, t, 0.75f * (1 - u2) / (piece.radius * std::sqrt(sine2))); // Epanechnikov

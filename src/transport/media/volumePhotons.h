@@ -88,7 +88,7 @@ class VolumePhotonMap {
       const float t = glm::dot(offset, ray.direction), radius2 = square(radii[i]);
       const float distance2 = lengthSquared(offset - ray.direction * t);
       if (!(t > 0 && t < end && distance2 < radius2)) return;
-      float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov
+      float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov kernel on the disc
       float depth = t;
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
@@ -101,7 +101,7 @@ class VolumePhotonMap {
   }
 
  private:
-  /** Sorts photons and their path lengths by the tree. */
+  /** Reorders photons and path lengths to the tree's order. */
   void sortByPosition(const std::vector<float>& pathLengths);
 
   BoxPyramid tree; ///< tree of the discs

@@ -32,8 +32,8 @@ struct SpectralPath {
   }
 };
 
-/** Transmittance of a shadow ray, and by channel the factors of both techniques' densities along it: of the
- * path that continues (pathPdf) and of the shadow ray (lightPdf). */
+/** Transmittance of a shadow ray, and per channel the media's factors on the densities of continuation
+ * (pathPdf) and light sampling (lightPdf). */
 struct SpectralTransmittance {
   Rgb value{1}, pathPdf{1}, lightPdf{1};
 };
@@ -232,22 +232,23 @@ inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, 
     return;
   }
   MajorantSegments segments = medium.segments(ray, end);
-  for (MajorantSegment part; segments.next(part);) {
-    if (hero == NO_HERO) part.majorant = Rgb(maxComponent(part.majorant));
-    const float majorant = part.majorant[std::max(hero, 0)];
-    for (float t = part.begin;;) {
+  for (MajorantSegment segment; segments.next(segment);) {
+    if (hero == NO_HERO) segment.majorant = Rgb(maxComponent(segment.majorant));
+    const float majorant = segment.majorant[std::max(hero, 0)];
+    for (float t = segment.begin;;) {
       const float step = flight::sampleDistance(majorant, sampler);
-      const bool arrives = !(t + step < part.end);
-      const Rgb relative = flight::transmittance(part.majorant - majorant, arrives ? part.end - t : step);
+      const bool arrives = !(t + step < segment.end);
+      const Rgb relative =
+          flight::transmittance(segment.majorant - majorant, arrives ? segment.end - t : step);
       s.value *= relative;
       s.pathPdf *= relative;
       s.lightPdf *= relative;
       if (arrives) break;
       t += step;
-      const NullCollision null(medium.at(ray.at(t)), part.majorant, Absorption::EXPECTED);
+      const NullCollision null(medium.at(ray.at(t)), segment.majorant, Absorption::EXPECTED);
       s.value *= null.coefficient / majorant;
-      s.pathPdf *= part.majorant * null.pass / majorant;
-      s.lightPdf *= part.majorant / majorant;
+      s.pathPdf *= segment.majorant * null.pass / majorant;
+      s.lightPdf *= segment.majorant / majorant;
       const float mean =
           (s.pathPdf.r + s.pathPdf.g + s.pathPdf.b + s.lightPdf.r + s.lightPdf.g + s.lightPdf.b) / 3;
       if (!flight::survives(s.value, mean, sampler)) s.value = BLACK;
@@ -291,11 +292,11 @@ class RayTransmittance {
     constexpr float LOW = 0.01f; // lower bound of the weight; below it, Russian roulette
     Rgb value(1);
     MajorantSegments segments = medium.segments(ray, end);
-    for (MajorantSegment part; segments.next(part);) {
-      const float majorant = maxComponent(part.majorant);
-      for (float t = part.begin;;) {
+    for (MajorantSegment segment; segments.next(segment);) {
+      const float majorant = maxComponent(segment.majorant);
+      for (float t = segment.begin;;) {
         t += flight::sampleDistance(majorant, sampler);
-        if (!(t < part.end)) break;
+        if (!(t < segment.end)) break;
         const MediumPoint point = medium.at(ray.at(t));
         emission += value * point.emission / majorant;
         value *= max(1.0f - point.extinction() / majorant, 0);

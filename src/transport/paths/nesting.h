@@ -57,17 +57,17 @@ class Nesting {
    * where a dielectric of higher priority hides it: the ray passes, and the state is updated to the new side.
    * If true, sets the refractive index outside of the point. */
   bool isTrueIntersection(const Scene& scene, Hit& hit, const Vec3f& direction) {
-    const auto own = static_cast<size_t>(hit.material->nesting);
+    const auto dielectric = static_cast<size_t>(hit.material->nesting);
     const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
-    bool hidden = depth[own] > (entering ? 0 : 1); // inside of a second shape of the same dielectric
-    for (size_t i = 0; i < own; ++i) hidden = hidden || depth[i] > 0;
+    bool hidden = depth[dielectric] > (entering ? 0 : 1); // inside of a second shape of the same dielectric
+    for (size_t i = 0; i < dielectric; ++i) hidden = hidden || depth[i] > 0;
     if (hidden) {
       cross(*hit.material, entering);
       return false;
     }
     const std::vector<float>& indices = scene.nestedIndices();
     hit.point.indexOutside = 1;
-    for (size_t i = own + 1; i < indices.size(); ++i)
+    for (size_t i = dielectric + 1; i < indices.size(); ++i)
       if (depth[i] > 0) {
         hit.point.indexOutside = indices[i];
         break;

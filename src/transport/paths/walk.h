@@ -51,10 +51,10 @@ inline bool cameraRoulette(float etaScale, int length, Sampler& sampler, Rgb& th
   constexpr int FREE = 2;
   constexpr float CERTAIN = 0.5f;
   if (length <= FREE) return true;
-  const float worth = maxComponent(throughput) * etaScale * left;
-  if (worth > 1 - NOTHING_LOST * static_cast<float>(length))
+  const float radianceWeight = maxComponent(throughput) * etaScale * left;
+  if (radianceWeight > 1 - NOTHING_LOST * static_cast<float>(length))
     return russianRoulette(1, length, sampler, throughput);
-  return worth >= CERTAIN || russianRoulette(worth / CERTAIN, length, sampler, throughput);
+  return radianceWeight >= CERTAIN || russianRoulette(radianceWeight / CERTAIN, length, sampler, throughput);
 }
 
 /** Point at distance t on a ray inside a medium, without a surface. */

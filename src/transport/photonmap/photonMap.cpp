@@ -300,26 +300,26 @@ void PhotonMap::visitBoxes(int levels, const BoxVisitor& visit) const {
     visitBoxes({0, 0, 0, childCount(0, 0)}, 0, levels, visit);
 }
 
-void PhotonMap::visitBoxes(Part part, int split, int levels, const BoxVisitor& visit) const {
-  while (part.last - part.first == 1 && part.level + 1 < levelCount) {
-    const size_t child = part.node * 8 + part.first;
-    part = {part.level + 1, child, 0, childCount(part.level + 1, child)};
+void PhotonMap::visitBoxes(Part range, int split, int levels, const BoxVisitor& visit) const {
+  while (range.last - range.first == 1 && range.level + 1 < levelCount) {
+    const size_t child = range.node * 8 + range.first;
+    range = {range.level + 1, child, 0, childCount(range.level + 1, child)};
   }
-  const Node& node = nodes[levelBegin(part.level) + part.node];
+  const Node& node = nodes[levelBegin(range.level) + range.node];
   Bounds3f bounds;
-  for (size_t i = part.first; i < part.last; ++i) {
+  for (size_t i = range.first; i < range.last; ++i) {
     bounds.add(Vec3f(node.lower[0][i], node.lower[1][i], node.lower[2][i]));
     bounds.add(Vec3f(node.upper[0][i], node.upper[1][i], node.upper[2][i]));
   }
-  const size_t leaves = leavesPerChild(part.level);
+  const size_t leaves = leavesPerChild(range.level);
   const auto slotAt = [&](size_t child) {
-    return std::min(photonCount, (part.node * 8 + child) * leaves * LEAF_SIZE);
+    return std::min(photonCount, (range.node * 8 + child) * leaves * LEAF_SIZE);
   };
-  visit(split, bounds, slotAt(part.last) - slotAt(part.first));
-  if (part.last - part.first == 1 || split + 1 == levels) return;
-  const size_t middle = part.first + (part.last - part.first + 1) / 2; // as in Builder::divide()
-  visitBoxes({part.level, part.node, part.first, middle}, split + 1, levels, visit);
-  visitBoxes({part.level, part.node, middle, part.last}, split + 1, levels, visit);
+  visit(split, bounds, slotAt(range.last) - slotAt(range.first));
+  if (range.last - range.first == 1 || split + 1 == levels) return;
+  const size_t middle = range.first + (range.last - range.first + 1) / 2; // as in Builder::divide()
+  visitBoxes({range.level, range.node, range.first, middle}, split + 1, levels, visit);
+  visitBoxes({range.level, range.node, middle, range.last}, split + 1, levels, visit);
 }
 
 size_t PhotonMap::memoryBytes() const {

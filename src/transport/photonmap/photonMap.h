@@ -204,7 +204,7 @@ class PhotonMap {
   };
   size_t leavesPerChild(int level) const { return size_t(1) << 3 * (levelCount - 1 - level); }
   size_t childCount(int level, size_t node) const;
-  void visitBoxes(Part part, int split, int levels, const BoxVisitor& visit) const;
+  void visitBoxes(Part range, int split, int levels, const BoxVisitor& visit) const;
   size_t leafBeside(const Query<false, false, false>& query) const;
   float densityBound(const Vec3f& center, int k) const;
   static RankBracket bracketNearest(const FoundPhotons& found, size_t wanted, float upper);

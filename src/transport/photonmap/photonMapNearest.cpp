@@ -82,7 +82,7 @@ PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size
       // Non-negative floats have the same order as their bits.
       const uint32_t lowBits = b.low < 0 ? 0 : std::bit_cast<uint32_t>(b.low) + 1;
       const uint32_t highBits = std::bit_cast<uint32_t>(b.high);
-      if (lowBits >= highBits) break; // all equal
+      if (lowBits >= highBits) break; // all remaining distances are equal
       guess = std::bit_cast<float>(lowBits + (highBits - lowBits) / 2);
     }
     const size_t n = countUpTo(found, guess);

@@ -15,7 +15,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
   static constexpr bool SELECTIVE = SIDED || CLIPPED; ///< photons within the radius may be rejected
   Float8 cx, cy, cz;
   float nx, ny, nz;
-  float flattening; ///< w of GatherRegion
+  float flattening; ///< w of the region's metric, see GatherRegion
   float radius2;    ///< D², of GatherRegion; may shrink during a walk
   float reach;      ///< at least the radius: the square of any value not below it is not below radius2
   const GatherRegion& region;

@@ -35,14 +35,14 @@ class Techniques {
   double nearLight(size_t i) const {
     double sum = path.beyond ? *path.beyond : beyondLast();
     for (size_t j = path.beyond ? k : k - 1; j > i + 1; --j) sum = beyondNext(j, sum);
-    return across(i + 1, sum);
+    return sumFromMerge(i + 1, sum);
   }
   /** Sum of C_k-1 and C_k, over P(C_k-1). */
   double beyondLast() const { return (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; }
   /** Sum of C_j-1 and all techniques beyond, over P(C_j-1). */
-  double beyondNext(size_t j, double beyond) const { return across(j, beyond) + connections(j - 1); }
+  double beyondNext(size_t j, double beyond) const { return sumFromMerge(j, beyond) + connections(j - 1); }
   /** Sum of M_j, C_j and all techniques beyond, over P(C_j-1). */
-  double across(size_t j, double beyond) const {
+  double sumFromMerge(size_t j, double beyond) const {
     return x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * beyond;
   }
 

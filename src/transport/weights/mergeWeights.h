@@ -70,9 +70,9 @@ class MergeRatio {
  public:
   /** Ratio 0: no photon could find the path. */
   MergeRatio() = default;
-  /** `merging`: photons emitted · kernel area [area]; `pdf`: density of the ray's direction [1/sr]. */
-  MergeRatio(float merging, float pdf, const Vec3f& direction, const SurfacePoint& from)
-      : ratio(merging * absDot(direction, from.geometricNormal) / pdf) {}
+  /** `mergeDensity`: photons emitted · kernel area [area]; `pdf`: density of the ray's direction [1/sr]. */
+  MergeRatio(float mergeDensity, float pdf, const Vec3f& direction, const SurfacePoint& from)
+      : ratio(mergeDensity * absDot(direction, from.geometricNormal) / pdf) {}
   void arrive(const Vec3f& direction, const SurfacePoint& at) {
     const float cosine = absDot(direction, at.geometricNormal);
     ratio = cosine > 0 ? ratio / cosine : 0;
@@ -92,14 +92,17 @@ class MergeRatio {
   float ratio = 0;
 };
 
-/** Merging factor of a kernel's support, from the factor of unit area. Clamped to be finite for any radius;
+/** Merge density of a kernel's support, from the factor of unit area. Clamped to be finite for any radius;
  * photons have all the weight long before. */
-inline float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
+inline float mergeDensityWithin(float perArea, float radius2) {
+  return std::min(perArea * PI * radius2, 1e30f);
+}
 
 /** MIS weight of a merged photon. `pdf`: density with which the BSDF samples its direction [1/sr];
  * `unknownWeight`: weight of photons whose ratio is not above 0. */
-inline float photonWeight(float reverseRatio, float merging, float pdf, float unknownWeight) {
-  return reverseRatio > 0 ? merging / std::max(merging + reverseRatio * pdf, FLT_MIN) : unknownWeight;
+inline float photonWeight(float reverseRatio, float mergeDensity, float pdf, float unknownWeight) {
+  return reverseRatio > 0 ? mergeDensity / std::max(mergeDensity + reverseRatio * pdf, FLT_MIN)
+                          : unknownWeight;
 }
 
 } // namespace recurse

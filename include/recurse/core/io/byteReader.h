@@ -1,9 +1,10 @@
 /** @file
- * Reader of little-endian values in the bytes of a file. Every access is checked against the size of the
- * file, since its counts and offsets may be wrong.
+ * Reader of little-endian values in the bytes of a file, for little-endian hosts. Every access is checked
+ * against the size of the file, since its counts and offsets may be wrong.
  */
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -13,6 +14,8 @@
 #include "recurse/core/io/error.h"
 
 namespace recurse {
+
+static_assert(std::endian::native == std::endian::little, "ByteReader does not swap bytes");
 
 class ByteReader {
  public:

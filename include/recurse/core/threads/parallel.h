@@ -14,8 +14,8 @@ void setThreadFloatMode();
 
 /**
  * Worker threads, during the lifetime of the pool: at most `threads` of them, including the thread that calls
- * parallelFor() (0: one for each core that this process may use), each with the float mode above. At most one
- * pool exists at a time.
+ * parallelFor() (0: one for each core that this process may use), each with the float mode above. Create one
+ * at a time.
  */
 class ThreadPool {
  public:
@@ -31,7 +31,7 @@ class ThreadPool {
 
 /** Number of cores that this process may run on. */
 int availableCores();
-/** Number of threads that a parallel loop uses now. */
+/** Maximum number of threads of a parallel loop. */
 int threadCount();
 
 /** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool, and returns when all are done.

@@ -331,12 +331,12 @@ inline std::optional<Scatter> ScatteringPoint::specularRefractionBackwardScatter
   float total = 0, chance = 0;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[static_cast<size_t>(i)];
-    const float worth = s.lobe == REFRACTION ? maxComponent(s.weight) * square(s.eta) : 0;
-    if (!(worth > 0)) continue;
-    total += worth;
-    if (chosen && sampler.next1D() * total >= worth) continue;
+    const float weight = s.lobe == REFRACTION ? maxComponent(s.weight) * square(s.eta) : 0;
+    if (!(weight > 0)) continue;
+    total += weight;
+    if (chosen && sampler.next1D() * total >= weight) continue;
     chosen = s;
-    chance = worth;
+    chance = weight;
   }
   if (chosen) chosen->weight *= total / chance;
   return chosen;

@@ -100,7 +100,7 @@ class Camera {
   float exposureTime() const { return exposure; }
 
  private:
-  float shutterOpen, shutterClose; ///< in units of Ray::time, but may be before or after the motion
+  float shutterOpen, shutterClose; ///< [Ray::time]; may lie outside of [0, 1], before or after the motion
   float exposure;
 };
 
@@ -110,7 +110,7 @@ class Filter {
   virtual ~Filter() = default;
   struct Sample {
     Vec2f offset; ///< from the centre of the pixel [pixels]
-    float weight; ///< value() over density, of mean 1: 1 for filters without negative lobes
+    float weight; ///< value() / density, mean 1; always 1 for filters without negative lobes
   };
   /** Samples an offset with a density in proportion to the magnitude of value(), by u in [0, 1)². */
   virtual Sample sample(const Vec2f& u) const = 0;

@@ -162,7 +162,7 @@ class Scene {
   uint32_t lampOf(size_t light) const { return lampsOfLights[light]; }
   /** Names that the file gives to materials, by Material::number; empty for a material without. */
   const std::vector<std::string>& materialLabels() const { return labelsOfMaterials; }
-  /** Names of media, by their index less one; empty for the filling of a material. */
+  /** Names of media, by their index less one; empty: the medium inside a material. */
   const std::vector<std::string>& mediumNames() const { return namesOfMedia; }
   /** Name of a material in the file, else its kind, numbered from the second of a kind; empty for null. */
   std::string materialName(const Material* material) const;
@@ -215,7 +215,7 @@ class Scene {
   std::vector<std::string> labelsOfMaterials, namesOfMedia;
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
-  std::vector<uint16_t> nestedMedia;   ///< parallel to nestedDielectrics
+  std::vector<uint16_t> nestedMedia;   ///< by index in nestedDielectrics
   std::vector<uint16_t> mediaOfLights; ///< in the order of the light table
   uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;

@@ -33,7 +33,7 @@ struct SceneImport {
   Vec3d up{0, 1, 0}, front{0, 0, 1};       ///< directions that the model's top and front face, unit
   bool isInterior = false;                 ///< true: the model is viewed from inside
   bool hasLights = false;                  ///< false: a sky and a sun are added where the model is the scene
-  std::vector<std::string> taken, leftOut; ///< lists for people: "3 materials", "2 animations"
+  std::vector<std::string> taken, leftOut; ///< lists for messages: "3 materials", "2 animations"
 
   /** Camera chosen by the parameter "camera"; null: none. */
   const ImportedCamera* chosenCamera() const { return chosen ? &cameras[*chosen] : nullptr; }

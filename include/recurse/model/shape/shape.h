@@ -248,7 +248,7 @@ void transformDirections(const Mat3d& map, const Mat3d& normalMap, SurfacePoint&
 
 // Tools of shapes that compute in double precision.
 
-/** Derivative of side · v / |v| for the derivative dv of v; zero where v is zero. */
+/** Derivative of the unit vector side · v / |v|, given dv; zero where v is zero. */
 inline Vec3f derivativeOfUnit(const Vec3d& v, const Vec3d& dv, double side) {
   const double length2 = glm::dot(v, v);
   return length2 > 0 ? Vec3f((dv - v * (glm::dot(v, dv) / length2)) * (side / std::sqrt(length2))) : Vec3f(0);

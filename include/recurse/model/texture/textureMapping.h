@@ -11,7 +11,7 @@
 namespace recurse {
 
 /** Texture coordinates and their differentials along the axes of the footprint; zero where unknown. */
-struct MappedPlace {
+struct MappedCoordinates {
   Vec2f st{0}, alongX{0}, alongY{0};
   /** Half the size of the bounding box of the parallelogram of both axes, which contains the footprint. */
   Vec2f extent() const { return 0.5f * (glm::abs(alongX) + glm::abs(alongY)); }
@@ -33,7 +33,7 @@ class TextureMapping {
  public:
   /** Reads the parameters of withMapping(). Throws SceneError for one that the mapping does not use. */
   TextureMapping(const Parameters& parameters, const TextureContext& context);
-  MappedPlace at(const SurfacePoint& point) const;
+  MappedCoordinates at(const SurfacePoint& point) const;
 
  private:
   enum class Kind { UV, SPHERICAL, CYLINDRICAL, PLANAR };

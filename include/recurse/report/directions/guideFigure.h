@@ -18,7 +18,8 @@ struct PixelDirections {
   /** Densities over the hemisphere around the geometric normal [1/sr]. */
   enum Density {
     INCIDENT,     ///< proportional to the incident radiance times the cosine
-    LEFT_TO_RAYS, ///< proportional to the light that the render leaves to rays from here; includes the BSDF
+    LEFT_TO_RAYS, ///< proportional to the reflected light that other estimators leave to rays; includes the
+                  ///< BSDF
     GUIDE,        ///< learned by the guide, also where camera paths do not sample it
     BSDF,         ///< of BSDF sampling
     MIXTURE,      ///< of both, from which camera paths sample

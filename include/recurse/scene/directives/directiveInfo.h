@@ -11,13 +11,13 @@
 namespace recurse {
 
 /** Part of a scene file in which a directive is permitted. */
-enum class DirectivePlace { ANYWHERE, BEFORE_WORLD, IN_WORLD };
+enum class DirectiveScope { ANYWHERE, BEFORE_WORLD, IN_WORLD };
 
 /** Directive, for the reference page. */
 struct DirectiveInfo {
   std::string name;
   std::string arguments; ///< syntax of the arguments
-  DirectivePlace place = DirectivePlace::ANYWHERE;
+  DirectiveScope place = DirectiveScope::ANYWHERE;
   std::string summary; ///< one line
 };
 

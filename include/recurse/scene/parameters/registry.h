@@ -79,6 +79,9 @@ template <class I, class Context> class Registry {
   std::vector<Entry> list;
 };
 
+/** Message for a plug-in name that is not in `names`, with the nearest ones. */
+std::string unknownPlugInText(const std::string& kind, const std::string& name,
+                              const std::vector<std::string>& names);
 /** Reports a plug-in name that is not in `names`, with the nearest ones. */
 void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directive,
                          const std::vector<std::string>& names, Diagnostics& diagnostics);

@@ -19,6 +19,7 @@ struct EstimatorDomain {
   std::string sharedGroup;
   bool hitsLights = false; ///< finds lights by rays that hit their source, which excludes delta lights
   bool onlyPanes = false;  ///< finds only those paths of the domain that pass straight through thin panes
+  bool fromMedia = false;  ///< finds only those paths of the domain that begin in an emissive medium
 };
 
 /** Faults of a list of estimators; none when `sound()`. */

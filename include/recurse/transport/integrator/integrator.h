@@ -186,7 +186,8 @@ class PathRadiance {
 
 /** Statistics of a forward pass. */
 struct ForwardStatistics {
-  uint64_t photonsEmitted = 0, photonsStored = 0; ///< in this process
+  /** Light paths traced, and photons, virtual lights or light vertices stored, in this process. */
+  uint64_t photonsEmitted = 0, photonsStored = 0;
   /** Photons that are not finite or too large, in the maps of this process, which include shared photons. */
   uint64_t photonsRefused = 0;
   double shootSeconds = 0, balanceSeconds = 0; ///< [s]
@@ -323,7 +324,7 @@ class Integrator {
   virtual bool supportsMedia(const Scene&) const { return false; }
   /** Whether it measures the lengths of all paths in the scene, for transient renders. */
   virtual bool supportsTransient(const Scene&) const { return false; }
-  /** Whether it renders FIBRE materials, for which light and camera paths have different densities. */
+  /** Whether it renders FIBRE materials, whose BSDF is not reciprocal. */
   virtual bool supportsFibres() const { return true; }
   /** Estimators and the domain of each; where the scene determines choices(), the domains chosen in the first
    * pass. */

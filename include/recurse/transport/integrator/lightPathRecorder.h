@@ -33,7 +33,7 @@ struct RecordedLightVertex {
   /** Emitted or on arrival, divided by the number of light paths [W]; black for a START in
    * PathRecorder::lightVertices. */
   Rgb flux{0};
-  LightState state{};  ///< state before the event at this vertex
+  LightState state{};  ///< path-class state before this vertex's event
   bool stored = false; ///< kept as a photon, a virtual light or a vertex for connections
 };
 
@@ -54,8 +54,8 @@ class LightPathRecorder {
   /** List for the vertices of the light path with this number; null if it is not recorded. All paths share
    * it: threads record into lists of their own, for append(). */
   std::vector<RecordedLightVertex>* listFor(uint64_t path) { return isRecorded(path) ? &list : nullptr; }
-  /** Appends vertices whose indices `previous` refer to `part`. */
-  void append(const std::vector<RecordedLightVertex>& part);
+  /** Appends vertices whose indices `previous` refer to `vertices`. */
+  void append(const std::vector<RecordedLightVertex>& vertices);
 
   const std::vector<RecordedLightVertex>& vertices() const { return list; }
   /** Number of light paths of the pass. */

@@ -68,7 +68,7 @@ struct RecordedSource {
   PathTechnique technique = PathTechnique::UNKNOWN;
   int vertex = NOT_RECORDED;   ///< for shadow rays, connections and merges
   int step = CAMERA_STEP;      ///< for hits: the outgoing step of the ray
-  int estimate = NOT_RECORDED; ///< for merges
+  int estimate = NOT_RECORDED; ///< index of the density estimate; merges only
   /** Vertex of the light path: the other end of a connection, or the photon of a merge. Integrators that
    * merge many photons at once have none. */
   int lightVertex = NOT_RECORDED;

@@ -1,5 +1,5 @@
 /** @file
- * Colours of many reflectances sampled at the same wavelengths.
+ * Weights that turn a sampled reflectance into a colour. Implemented in spectrum.cpp.
  */
 #pragma once
 
@@ -11,7 +11,7 @@ namespace recurse {
 
 /** Weights of the samples of a reflectance: the sum of weights times samples is the colour of rgbOfSpectrum()
  * before it is moved into the gamut. Wavelengths [nm] increase; at least one. */
-std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths);
+std::vector<Rgbd> reflectanceWeights(const std::vector<double>& wavelengths);
 
 /** Colour without negative components: moved towards the grey of its luminance; black where the luminance is
  * not above zero. */
