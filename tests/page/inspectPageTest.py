@@ -326,6 +326,9 @@ class EdgesOfAFloor(OfflinePage):
             "})()"))
 
 
+ON_WALL = f"{REFERENCE[0]},{REFERENCE[1]}"
+
+
 class LightPathsOfBothSides(OfflinePage):
     """Connections, merges and virtual lights."""
 
@@ -338,9 +341,9 @@ class LightPathsOfBothSides(OfflinePage):
 
     change = InspectPage.change
 
-    def open(self, integrator, *more):
+    def open(self, integrator, pixel="24,40"):
         recurse("inspect", SCENE, "-o", self.page, "-q", "--integrator", integrator, "--spp", "4", "--resolution", "48x48",
-                "--path-samples", "4", "--pixel", "24,40", *more)
+                "--path-samples", "4", "--pixel", pixel)
         browser.open(self.page, "document.body.dataset.ready === 'yes'")
 
     def drawPathsOf(self, technique):
@@ -406,19 +409,18 @@ class LightPathsOfBothSides(OfflinePage):
             self.assertEqual(self.text("#omission"), "")
 
     def test6WhatIsNotRecordedHasAReason(self):
-        self.open("lightpath")
+        self.open("lightpath", ON_WALL)
         self.assertIn("Connections of light paths to the camera are not recorded", self.text("#recordNotes"))
         self.assertIn("connections to the camera, without a record, add ", self.text("#pathStatus"))
-        self.open("ambientocclusion")
+        self.open("ambientocclusion", ON_WALL)
         self.assertIn("This integrator supposes white light", self.text("#recordNotes"))
         word, objects, segments = self.drawPathsOf("hit")
         self.assertEqual((word, segments), ("LDE", 2))
         for integrator, technique, reason in (
                 ("simplephotonmap", "merge", "photons are stored without the paths"),
                 ("radiosity", "patches", "patches store irradiance")):
-            self.open(integrator)
-            self.assertTrue(browser.evaluate("document.getElementById('recordNotes').hidden")
-                            or integrator == "radiosity")
+            self.open(integrator, ON_WALL)
+            self.assertEqual(browser.evaluate("document.getElementById('recordNotes').hidden"), integrator != "radiosity")
             word, objects, segments = self.drawPathsOf(technique)
             self.assertRegex(word, "^L…D[SD]*E$")
             self.assertEqual(segments, len(word) - 3)  # up to the last known vertex
@@ -426,7 +428,7 @@ class LightPathsOfBothSides(OfflinePage):
 
     def test7RaysOfTheOldMethodsEndAtTheLamp(self):
         for integrator in ("raycast", "whitted", "radiosity", "vpl"):
-            self.open(integrator)
+            self.open(integrator, ON_WALL)
             word, objects, segments = self.drawPathsOf("light sample")
             self.assertRegex(word, "^LD[SD]*E$", integrator)
             self.assertEqual(segments, len(word) - 1, integrator)
