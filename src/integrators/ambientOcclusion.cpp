@@ -4,6 +4,7 @@
  */
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -29,7 +30,9 @@ class AmbientOcclusion final : public Integrator {
     Ray towardsSky = spawn(point, direction);
     towardsSky.tMax = maxDistance;
     ++out.counts.rays;
-    if (!scene.occluded(towardsSky)) out.add(classes.lightStart(), vertex.afterD, Rgb(1));
+    if (scene.occluded(towardsSky)) return;
+    if (out.recorder) recordSky(vertex, direction, *out.recorder);
+    out.add(classes.lightStart(), vertex.afterD, Rgb(1));
   }
 
   std::string claims() const override { return "LDE"; }
@@ -44,6 +47,25 @@ class AmbientOcclusion final : public Integrator {
   }
 
  private:
+  /** Records the path from the sky in unit `direction`. */
+  static void recordSky(const CameraVertex& vertex, const Vec3f& direction, PathRecorder& recorder) {
+    RecordedCameraPath record(&recorder);
+    record.arrive(vertex);
+    const float pdf = absDot(direction, vertex.point().shadingNormal) * INV_PI;
+    const int step =
+        recorder.addStep({.vertex = record.vertex(),
+                          .lobe = REFLECTION,
+                          .direction = direction,
+                          .pdf = pdf,
+                          .pdfReverse = absDot(vertex.wi, vertex.point().shadingNormal) * INV_PI});
+    recorder.source = {.technique = PathTechnique::HIT,
+                       .vertex = record.vertex(),
+                       .step = step,
+                       .end = direction,
+                       .isInfinite = true,
+                       .pdf = pdf};
+  }
+
   float maxDistance;
 };
 

@@ -4,6 +4,7 @@
  */
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -22,8 +23,11 @@ class RayCast final : public Integrator {
     CameraWalker walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+    const auto addEmission = [&](const Hit* hit) {
+      addSeenEmission(scene, lights, path, hit, CAMERA_STEP, out);
+    };
     if (!walker.next(path, vertex, sampler, addEmission)) return;
+    RecordedCameraPath(out.recorder).arrive(vertex);
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
     addAmbient(vertex, sampler, out);
   }
@@ -50,8 +54,11 @@ class RayCast final : public Integrator {
     const PathClasses& classes = out.pathClasses();
     const LightState reflected = classes.step(classes.lightStart(), PathEvent::D);
     if (isBlack(ambient) || !vertex.isConnectable() || classes.join(reflected, vertex.afterD) == 0) return;
-    if (const auto s = vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler))
-      out.add(reflected, vertex.afterD, ambient * s->weight);
+    const auto s = vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler);
+    if (!s) return;
+    if (PathRecorder* recorder = out.recorder)
+      recorder->source = {.technique = PathTechnique::AMBIENT, .vertex = recorder->source.vertex};
+    out.add(reflected, vertex.afterD, ambient * s->weight);
   }
 
   Rgb ambient;

@@ -12,6 +12,7 @@
 #include "transport/direct/localShading.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/integrator/maxDepthParameter.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
@@ -63,17 +64,23 @@ class SimplePhotonMap final : public Integrator {
     const PathClasses& classes = out.pathClasses();
     CameraWalker walker(scene, classes, out.counts, maxDepth);
     // Stack of pending rays: a recursion could be as deep as facing mirrors make it.
-    std::vector<CameraSubpath> waiting = {startCameraSubpath(scene, classes, ray, out.counts)};
+    std::vector<Branch> waiting = {
+        {startCameraSubpath(scene, classes, ray, out.counts), RecordedCameraPath(out.recorder)}};
     while (!waiting.empty() && !out.abandoned()) {
-      CameraSubpath path = waiting.back();
+      auto [path, record] = waiting.back();
       waiting.pop_back();
       CameraVertex vertex;
-      const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+      const auto addEmission = [&, &path = path, &record = record](const Hit* hit) {
+        addSeenEmission(scene, lights, path, hit, record.step(), out);
+      };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
+      record.arrive(vertex);
       if (vertex.isConnectable()) {
+        if (out.recorder) out.recorder->beginEstimate(record.vertex(), false);
         const GatherResult result =
             gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
                    vertex.afterD, out, nullptr, nullptr, path.optical);
+        if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
         out.counts.otherRadii.add(result.radius, path.width);
       }
       if (!(vertex.allowed & DELTA_LOBES)) continue;
@@ -84,8 +91,9 @@ class SimplePhotonMap final : public Integrator {
         CameraSubpath next = path;
         walker.follow(next, vertex, *step);
         const float chance = maxComponent(next.throughput) * next.etaScale / BRANCH_WEIGHT;
-        if (russianRoulette(std::min(1.0f, chance), next.depth, sampler, next.throughput))
-          waiting.push_back(next);
+        if (!russianRoulette(std::min(1.0f, chance), next.depth, sampler, next.throughput)) continue;
+        waiting.push_back({next, record});
+        waiting.back().record.leave(vertex, *step, next.throughput);
       }
     }
   }
@@ -104,6 +112,12 @@ class SimplePhotonMap final : public Integrator {
   }
 
  private:
+  /** Ray that waits to be followed. */
+  struct Branch {
+    CameraSubpath path;
+    RecordedCameraPath record;
+  };
+
   static constexpr float MAX_RADIUS = 0.1f;    ///< over the scene's radius; bounds gathers in dark corners
   static constexpr float BRANCH_WEIGHT = 0.1f; ///< throughput below which roulette limits rays at glass
 
@@ -120,7 +134,9 @@ class SimplePhotonMap final : public Integrator {
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       if (vertex.isConnectable()) store(vertex, path.optical.length, stored, lengths);
       record.arrive(path, vertex, vertex.isConnectable());
-      if (!walker.scatter(path, vertex, sampler)) return;
+      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+      if (!s) return;
+      record.leave(vertex, *s);
     }
   }
 

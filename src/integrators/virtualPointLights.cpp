@@ -3,6 +3,7 @@
  * that the camera sees. The geometry term is bounded, and paths that continue add the bias that this causes
  * (Kollig and Keller 2004, "Illumination in the Presence of Weak Singularities").
  */
+#include <map>
 #include <set>
 
 #include "recurse/core/io/text.h"
@@ -13,6 +14,7 @@
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/integrator/maxDepthParameter.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
@@ -38,6 +40,7 @@ struct VirtualLight {
   Vec3f wi;                 ///< unit, back along the light path
   Rgb flux;                 ///< flux on arrival, divided by the number of light paths
   LightState state, afterD; ///< before and after the event there
+  int path = 0;             ///< number of the light path in its pass
   int events = 0;
   bool bounded =
       true; ///< false after a delta event: no ray that continues could add the light that a bound removes
@@ -82,6 +85,7 @@ class VirtualPointLights final : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
+    current = pass;
     virtualLights.clear();
     arena.reset();
     if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
@@ -97,9 +101,8 @@ class VirtualPointLights final : public Integrator {
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i) {
       RecordedWalk record(control.lightPaths, static_cast<uint64_t>(i),
                           1 / static_cast<float>(settings.lightPaths));
-      trace(scene, classes, pass,
-            Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
-            statistics.counts, record);
+      walkLightPath(scene, classes, i, statistics.counts, record,
+                    [&](const LightSubpath& path, const LightVertex& vertex) { store(path, vertex, i); });
     }
     statistics.photonsEmitted = static_cast<uint64_t>(settings.lightPaths);
     statistics.photonsStored = virtualLights.size();
@@ -113,14 +116,23 @@ class VirtualPointLights final : public Integrator {
     CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+    RecordedCameraPath record(out.recorder);
+    RecordedLights recordedLights;
+    const auto addEmission = [&](const Hit* hit) {
+      addSeenEmission(scene, lights, path, hit, record.step(), out);
+    };
     while (walker.next(path, vertex, sampler, addEmission)) {
+      record.arrive(vertex);
       if (vertex.isConnectable()) {
-        shade(scene, vertex, path.nesting, sampler, out);
-        if (settings.compensate && bound < INFINITE) compensate(scene, path, vertex, sampler, out);
+        shade(scene, vertex, path.nesting, sampler, recordedLights, out);
+        if (settings.compensate && bound < INFINITE)
+          compensate(scene, path, vertex, record, sampler, recordedLights, out);
       }
       vertex.allowed &= DELTA_LOBES;
-      if (vertex.allowed == NO_LOBE || !walker.scatter(path, vertex, sampler)) return;
+      if (vertex.allowed == NO_LOBE) return;
+      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+      if (!s) return;
+      record.leave(vertex, *s, path.throughput);
     }
   }
 
@@ -150,25 +162,63 @@ class VirtualPointLights final : public Integrator {
   }
 
  private:
-  void trace(const Scene& scene, const PathClasses& classes, const Pass& pass, Sampler sampler,
-             TransportCounts& counts, RecordedWalk& record) {
+  /** Index of the start of each recorded light path in PathRecorder::lightVertices, by its number. */
+  using RecordedLights = std::map<int, int>;
+
+  /** Follows light path `number` of the current pass, and calls visit(path, vertex) at each vertex. */
+  template <class Visit>
+  void walkLightPath(const Scene& scene, const PathClasses& classes, int number, TransportCounts& counts,
+                     RecordedWalk& record, const Visit& visit) const {
+    Sampler sampler(hashCombine(current.seed, current.index), VIRTUAL_LIGHT_STREAM,
+                    static_cast<uint32_t>(number));
     Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
     const std::optional<LightStart> start =
-        startLightSubpath(scene, classes, pass.time, sampler, counts, &guide);
+        startLightSubpath(scene, classes, current.time, sampler, counts, &guide);
     if (!start) return;
     LightSubpath path = start->path;
     LightVertex vertex;
     record.start(path);
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       record.arrive(path, vertex, vertex.isConnectable());
-      if (vertex.isConnectable())
-        if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))
-          virtualLights.push_back({vertex.point(), vertex.wi,
-                                   vertex.throughput / static_cast<float>(settings.lightPaths), vertex.state,
-                                   vertex.afterD, vertex.depth, !path.delta,
-                                   ScatteringPoint(*bsdf, vertex.point())});
-      if (!walker.scatter(path, vertex, sampler)) return;
+      visit(path, vertex);
+      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+      if (!s) return;
+      record.leave(vertex, *s);
     }
+  }
+
+  void store(const LightSubpath& path, const LightVertex& vertex, int number) {
+    if (!vertex.isConnectable()) return;
+    if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))
+      virtualLights.push_back({vertex.point(), vertex.wi,
+                               vertex.throughput / static_cast<float>(settings.lightPaths), vertex.state,
+                               vertex.afterD, number, vertex.depth, !path.delta,
+                               ScatteringPoint(*bsdf, vertex.point())});
+  }
+
+  /** Sets the source of the next contribution to the connection of `vertex` with a virtual light in unit
+   * `direction`. Light paths are not kept: a recorded one is followed again. */
+  void recordConnection(const Scene& scene, const PathClasses& classes, const VirtualLight& light,
+                        const CameraVertex& vertex, const Vec3f& direction, float weight,
+                        RecordedLights& recorded, PathRecorder& recorder) const {
+    std::vector<RecordedLightVertex>& list = recorder.lightVertices;
+    const auto [entry, isNew] = recorded.try_emplace(light.path, static_cast<int>(list.size()));
+    if (isNew) {
+      TransportCounts counts;
+      RecordedWalk record(&list, 1 / static_cast<float>(settings.lightPaths));
+      walkLightPath(scene, classes, light.path, counts, record,
+                    [](const LightSubpath&, const LightVertex&) {});
+    }
+    recorder.source = {
+        .technique = PathTechnique::CONNECTION,
+        .vertex = recorder.source.vertex,
+        .lightVertex = entry->second + light.events,
+        .end = light.point.position,
+        .weight = weight,
+        .vertexPdf = float(vertex.pdfDirection(direction)),
+        .vertexPdfReverse = float(vertex.pdfReverse(direction)),
+        .lightVertexPdf = light.scattering.pdf(light.wi, -direction, ALL_LOBES, Transport::FLUX),
+        .lightVertexPdfReverse = light.scattering.pdf(-direction, light.wi, ALL_LOBES, Transport::RADIANCE)};
   }
 
   /** Geometry term |cos| |cos| / distance², with the direction and distance of a connection. */
@@ -188,7 +238,7 @@ class VirtualPointLights final : public Integrator {
 
   /** Adds direct light and the contribution of the virtual lights. */
   void shade(const Scene& scene, const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler,
-             PathRadiance& out) const {
+             RecordedLights& recorded, PathRadiance& out) const {
     addDirectLight(scene, lights, vertex, nesting, sampler, out);
     for (const VirtualLight& light : virtualLights) {
       if (out.abandoned()) return;
@@ -201,19 +251,22 @@ class VirtualPointLights final : public Integrator {
       const Rgb radiance = vertex.throughput * vertex.scattering->evaluate(vertex.wi, g.direction) *
                            light.flux * light.scattering.evaluateFlux(light.wi, -g.direction) *
                            (kept / square(g.distance));
-      if (!isBlack(radiance) &&
-          visible(scene, vertex.hit, vertex.wi,
-                  visibilityTarget(light.point.rayOrigin(-g.direction), g.direction, g.distance), nesting,
-                  out.counts))
-        out.add(light.afterD, vertex.afterD, radiance);
+      if (isBlack(radiance) ||
+          !visible(scene, vertex.hit, vertex.wi,
+                   visibilityTarget(light.point.rayOrigin(-g.direction), g.direction, g.distance), nesting,
+                   out.counts))
+        continue;
+      if (out.recorder)
+        recordConnection(scene, out.pathClasses(), light, vertex, g.direction, kept, recorded, *out.recorder);
+      out.add(light.afterD, vertex.afterD, radiance);
     }
   }
   bool isBounded(const VirtualLight& light) const { return light.bounded || !settings.compensate; }
 
   /** Adds the light that the bound removes: the path continues to surfaces within the clamp distance,
    * weighted by the missing fraction. */
-  void compensate(const Scene& scene, CameraSubpath path, CameraVertex vertex, Sampler& sampler,
-                  PathRadiance& out) const {
+  void compensate(const Scene& scene, CameraSubpath path, CameraVertex vertex, RecordedCameraPath record,
+                  Sampler& sampler, RecordedLights& recorded, PathRadiance& out) const {
     CameraWalker walker(scene, out.pathClasses(), out.counts, settings.maxDepth);
     while (!out.abandoned()) {
       vertex.allowed &= NON_DELTA_LOBES;
@@ -222,13 +275,15 @@ class VirtualPointLights final : public Integrator {
       if (!s) return;
       const SurfacePoint from = vertex.point();
       walker.follow(path, vertex, *s);
+      record.leave(vertex, *s, path.throughput);
       path.ray.tMax = 1 / std::sqrt(bound);
       if (isBlack(path.throughput) || !walker.next(path, vertex, sampler) || !vertex.isConnectable()) return;
       const Geometry g = geometryOf(from, vertex.point());
       if (!(g.term > bound)) return;
       vertex.throughput *= 1 - bound / g.term;
       path.throughput = vertex.throughput;
-      shade(scene, vertex, path.nesting, sampler, out);
+      record.arrive(vertex);
+      shade(scene, vertex, path.nesting, sampler, recorded, out);
     }
   }
 
@@ -237,6 +292,7 @@ class VirtualPointLights final : public Integrator {
   float bound = INFINITE; ///< maximum of the geometry term
   EmissionMixture guide;  ///< emission density of the light paths
   // State of the current pass:
+  Pass current;
   std::vector<VirtualLight> virtualLights;
   BsdfArena arena; ///< memory of the virtual lights' BSDFs
 };

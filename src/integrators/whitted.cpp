@@ -4,6 +4,7 @@
  */
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -22,15 +23,19 @@ class Whitted final : public Integrator {
     const PathClasses& classes = out.pathClasses();
     CameraWalker walker(scene, classes, out.counts, maxDepth);
     // Stack of pending branches: a recursion could be as deep as facing mirrors make it.
-    std::vector<CameraSubpath> branches = {startCameraSubpath(scene, classes, ray, out.counts)};
+    std::vector<Branch> branches = {
+        {startCameraSubpath(scene, classes, ray, out.counts), RecordedCameraPath(out.recorder)}};
     CameraVertex vertex;
     while (!branches.empty() && !out.abandoned()) {
-      CameraSubpath path = branches.back();
+      auto [path, record] = branches.back();
       branches.pop_back();
-      const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+      const auto addEmission = [&, &path = path, &record = record](const Hit* hit) {
+        addSeenEmission(scene, lights, path, hit, record.step(), out);
+      };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
+      record.arrive(vertex);
       addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
-      branch(walker, path, vertex, branches, out);
+      branch(walker, {path, record}, vertex, branches, out);
     }
   }
 
@@ -42,20 +47,29 @@ class Whitted final : public Integrator {
   }
 
  private:
+  struct Branch {
+    CameraSubpath path;
+    RecordedCameraPath record;
+  };
+
   /** Branches into all delta directions of the vertex. Counts the throughput of those below the threshold. */
-  void branch(const CameraWalker& walker, const CameraSubpath& path, const CameraVertex& vertex,
-              std::vector<CameraSubpath>& branches, PathRadiance& out) const {
+  void branch(const CameraWalker& walker, const Branch& from, const CameraVertex& vertex,
+              std::vector<Branch>& branches, PathRadiance& out) const {
     if (!(vertex.allowed & DELTA_LOBES)) return;
     std::array<Scatter, DeltaScatters::MAX_COUNT> all;
     const int count = vertex.scattering->deltaScatters(vertex.wi, Transport::RADIANCE, all);
     for (int i = 0; i < count; ++i) {
-      CameraSubpath next = path;
-      walker.follow(next, vertex, all[static_cast<size_t>(i)]);
-      const float weight = maxComponent(next.throughput) * next.etaScale;
-      if (weight >= minWeight && weight > 0)
+      Branch next = from;
+      const Scatter& step = all[static_cast<size_t>(i)];
+      walker.follow(next.path, vertex, step);
+      const Rgb& throughput = next.path.throughput;
+      const float weight = maxComponent(throughput) * next.path.etaScale;
+      if (weight >= minWeight && weight > 0) {
+        next.record.leave(vertex, step, throughput);
         branches.push_back(next);
-      else
-        out.counts.truncatedThroughput += double(maxComponent(next.throughput));
+      } else {
+        out.counts.truncatedThroughput += double(maxComponent(throughput));
+      }
     }
   }
 

@@ -36,6 +36,7 @@ struct Figures {
            gathers = 0, photonsFound = 0;
   int64_t forwardPasses = 0;
   KernelRadii causticRadii, otherRadii;
+  LengthRange lengths;
 
   Figures() = default;
   explicit Figures(const RenderStatistics& s)
@@ -45,7 +46,7 @@ struct Figures {
         photonsEmitted(s.photonsEmitted), photonsStored(s.photonsStored), photonsRefused(s.photonsRefused),
         mapBytes(s.mapBytes), rays(s.counts.rays), nonFinite(s.counts.nonFinite), gathers(s.counts.gathers),
         photonsFound(s.counts.photonsFound), forwardPasses(s.forwardPasses),
-        causticRadii(s.counts.causticRadii), otherRadii(s.counts.otherRadii) {}
+        causticRadii(s.counts.causticRadii), otherRadii(s.counts.otherRadii), lengths(s.counts.lengths) {}
   void addTo(RenderStatistics& s) const {
     s.photonSeconds += photonSeconds;
     s.balanceSeconds += balanceSeconds;
@@ -63,6 +64,7 @@ struct Figures {
     s.counts.photonsFound += photonsFound;
     s.counts.causticRadii.add(causticRadii);
     s.counts.otherRadii.add(otherRadii);
+    s.counts.lengths.add(lengths);
     s.forwardPasses += static_cast<int>(forwardPasses);
   }
 };

@@ -183,6 +183,7 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
     if (settings.allocation)
       settings.allocation->setMapPerSample(worker.renderer.samples().hasMapPerSample());
     statistics = lead(worker, names, settings, film, start, stop, progress, log);
+    warnOfDarkFrames(film, classes, statistics, log);
   } else {
     follow(worker, stop);
   }

@@ -43,7 +43,8 @@ class RenderLoop final : private RenderPause {
              const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
              const std::function<void(const RenderProgress&)>& progress,
              const std::function<void(const std::string&)>& log)
-      : settings(settings), method(integrator), film(film), stop(stop), log(log), start(startOf(settings)),
+      : settings(settings), method(integrator), classes(classes), film(film), stop(stop), log(log),
+        start(startOf(settings)),
         processorStart(processorSeconds() - settings.from.statistics.processorSeconds), reporter(progress),
         rule(settings, film.totalSamples() > 0),
         // Learning is skipped when the time is up before the first sample.
@@ -227,6 +228,7 @@ class RenderLoop final : private RenderPause {
     countSamples(film, statistics);
     if (log && statistics.warnings.size() > warningsBefore) log("warning: " + statistics.warnings.back());
     addTotals(statistics);
+    warnOfDarkFrames(film, classes, statistics, log);
     statistics.gatherSeconds =
         statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
     statistics.stopReason = rule.reason(stop, errors.error(), sample >= last);
@@ -236,6 +238,7 @@ class RenderLoop final : private RenderPause {
 
   const RenderSettings& settings;
   const Integrator& method;
+  const PathClasses& classes;
   Film& film;
   const std::atomic<bool>& stop;
   const std::function<void(const std::string&)>& log;
@@ -263,6 +266,25 @@ class RenderLoop final : private RenderPause {
 };
 
 } // namespace
+
+void warnOfDarkFrames(const Film& film, const PathClasses& classes, RenderStatistics& statistics,
+                      const std::function<void(const std::string&)>& log) {
+  if (!classes.isTransient() || film.totalSamples() == 0) return;
+  for (size_t layer = 0; layer < classes.layerCount(); ++layer) {
+    if (!TransientFrames::isFrameName(classes.classes()[layer].name)) continue;
+    for (size_t p = 0; p < film.bounds().area(); ++p)
+      if (!isBlack(film.value(p, layer))) return;
+  }
+  const LengthRange& lengths = statistics.counts.lengths;
+  const std::string frames =
+      formatted("no light arrives within the frames, at path lengths from %.4g to %.4g",
+                classes.frames().from(), classes.frames().to());
+  statistics.warnings.push_back(lengths.empty()
+                                    ? frames + ": the picture is black"
+                                    : frames + formatted(": all light arrives between lengths %.4g and %.4g",
+                                                         double(lengths.least), double(lengths.most)));
+  if (log) log("warning: " + statistics.warnings.back());
+}
 
 void countSamples(const Film& film, RenderStatistics& statistics) {
   if (film.splats()) statistics.splatsSaturated = film.splats()->saturated();

@@ -175,6 +175,35 @@ TEST_F(TimeOfFlight, GoesWithPathsAndCheckpoints) {
         "time of flight: 2:6:4");
 }
 
+TEST_F(TimeOfFlight, FramesThatMissAllLightSayWhereItArrives) {
+  const std::string words =
+      "warning: no light arrives within the frames, at path lengths from 100 to 200: all "
+      "light arrives between lengths ";
+  for (const std::string integrator : {"path", "photonmap", "bdpt", "lightpath"}) {
+    SCOPED_TRACE(integrator);
+    const auto tried = [&](const std::string& frames) {
+      const Outcome o = run(
+          {"render", "scene.pbrt", "--time-of-flight", frames, "--integrator", integrator, "-o", "f.png"});
+      EXPECT_EQ(o.status, 0) << o.err;
+      return o.err;
+    };
+    const std::string err = tried("100:200:4");
+    const size_t at = err.find(words);
+    ASSERT_NE(at, std::string::npos) << err;
+    double least = 0, most = 0;
+    ASSERT_EQ(std::sscanf(err.c_str() + at + words.size(), "%lf and %lf", &least, &most), 2);
+    EXPECT_GT(least, 0);
+    EXPECT_LT(most, 100);
+    // These lengths have all the light.
+    const auto lengths = [](double from, double to) {
+      return std::to_string(from) + ":" + std::to_string(to);
+    };
+    EXPECT_FALSE(has(tried(lengths(0.99 * least, 1.01 * most) + ":3"), "no light arrives"));
+    EXPECT_TRUE(has(tried(lengths(0, 0.99 * least) + ":3"), "no light arrives"));
+    EXPECT_TRUE(has(tried(lengths(1.01 * most, 2 * most) + ":3"), "no light arrives"));
+  }
+}
+
 TEST_F(TimeOfFlight, ErrorsSayWhatToDo) {
   const auto failsFor = [&](const std::string& value, const std::string& words) {
     fails({"--time-of-flight", value, "-o", "f.png"}, words);

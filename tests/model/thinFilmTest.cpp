@@ -10,6 +10,7 @@
 #include "bsdfs/microfacet/thinFilm.h"
 #include "model/bsdfTesting.h"
 #include "recurse/scene/parameters/spectrum.h"
+#include "sceneRendering.h"
 
 using namespace recurse;
 
@@ -177,6 +178,35 @@ TEST(ThinFilm, ColoursMetalsRoughOrSmooth) {
   const auto rough = materialOf("conductor", steel + "55 \"float roughness\" .1");
   const Rgb value = rough->bsdfAt(SurfacePoint{}, arena)->value({0, 0, 1}, {0, 0, 1});
   EXPECT_NEAR(value.b / value.r, blue.b / blue.r, 1e-3f);
+}
+
+TEST(ThinFilm, ThicknessAndIndexHaveTextures) {
+  const std::string film = "\"texture thinfilm.thickness\" \"thickness\" \"texture thinfilm.eta\" \"index\"";
+  for (const std::string material : {"conductor", "dielectric", "thindielectric"}) {
+    SCOPED_TRACE(material);
+    const auto scene = recurse::testing::sceneFrom(
+        recurse::testing::view(4, 4, "0 0 5  0 0 0  0 1 0", recurse::testing::perspective(40)) +
+        "Texture \"thickness\" \"float\" \"bilerp\" \"float v00\" 200 \"float v01\" 200 \"float v10\" 400 "
+        "\"float v11\" 400\nTexture \"index\" \"float\" \"bilerp\" \"float v00\" 0 \"float v01\" 1.8 "
+        "\"float v10\" 0 \"float v11\" 1.8\nMaterial \"" +
+        material + "\" " + film +
+        "\nShape \"bilinearmesh\" \"point3 P\" [ -2 -2 0  2 -2 0  -2 2 0  2 2 0 ]\n");
+    for (const Vec2f uv : {Vec2f(0.25f, 0.9f), Vec2f(0.75f, 0.9f), Vec2f(0.75f, 0.6f), Vec2f(0.5f, 0.2f)}) {
+      SurfacePoint point{};
+      point.uv = uv;
+      const float index = std::max(1.0f, 1.8f * uv.y),
+                  thickness = 200 + 200 * uv.x; // an index below 1 is clamped
+      BsdfArena arena;
+      DeltaScatters textured;
+      scene->shapes()[0].material->bsdfAt(point, arena)->deltas({0.6f, 0, 0.8f}, textured);
+      const auto same = materialOf(material, "\"float thinfilm.thickness\" " + std::to_string(thickness) +
+                                                 " \"float thinfilm.eta\" " + std::to_string(index));
+      const Rgb expected = lobesOf(*same, {0.6f, 0, 0.8f}).first;
+      EXPECT_LT(maxComponent(abs(textured.begin()->weight - expected)), 1e-5f) << uv.x << " " << uv.y;
+      const auto other = materialOf(material, "\"float thinfilm.thickness\" " + std::to_string(thickness));
+      EXPECT_GT(maxComponent(abs(textured.begin()->weight - lobesOf(*other, {0.6f, 0, 0.8f}).first)), 1e-3f);
+    }
+  }
 }
 
 TEST(ThinFilm, WhatIsWrongIsSaid) {

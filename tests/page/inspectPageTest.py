@@ -326,6 +326,9 @@ class EdgesOfAFloor(OfflinePage):
             "})()"))
 
 
+ON_WALL = f"{REFERENCE[0]},{REFERENCE[1]}"
+
+
 class LightPathsOfBothSides(OfflinePage):
     """Connections, merges and virtual lights."""
 
@@ -338,9 +341,9 @@ class LightPathsOfBothSides(OfflinePage):
 
     change = InspectPage.change
 
-    def open(self, integrator, *more):
+    def open(self, integrator, pixel="24,40"):
         recurse("inspect", SCENE, "-o", self.page, "-q", "--integrator", integrator, "--spp", "4", "--resolution", "48x48",
-                "--path-samples", "4", "--pixel", "24,40", *more)
+                "--path-samples", "4", "--pixel", pixel)
         browser.open(self.page, "document.body.dataset.ready === 'yes'")
 
     def drawPathsOf(self, technique):
@@ -375,6 +378,60 @@ class LightPathsOfBothSides(OfflinePage):
         self.assertTrue(browser.evaluate("document.getElementById('boxPanel').hidden"))
         self.change("flightTime", "value", 1)
         self.assertGreater(int(browser.evaluate("document.getElementById('view').dataset.landed")), 10)
+        word, objects, segments = self.drawPathsOf("connection")
+        self.assertRegex(word, "^L[SD]*DD[SD]*E$")
+        self.assertEqual(segments, len(word) - 1)
+
+    def rows(self):
+        """The table of vertices, as lists of cells."""
+        return browser.evaluate("[...document.querySelectorAll('#vertices tr')].map((r) =>"
+                                "[...r.cells].map((c) => c.textContent))")
+
+    def test5TheTableHasEveryVertexOfBothSides(self):
+        self.open("bdpt")
+        for technique in ("connection", "light sample"):
+            word, _, _ = self.drawPathsOf(technique)
+            rows = [row for row in self.rows()[1:] if row[1] != "light path"]
+            self.assertEqual("".join(row[0] for row in rows)[::-1], word)
+            positions = [row[7] for row in rows]
+            self.assertEqual(len(set(positions)), len(positions))  # the lamp's point, too
+            for letter, name, material, lobe, throughput, pdf, reverse, _ in rows[1:-1]:
+                self.assertNotEqual(name, "")
+                self.assertNotEqual(material, "")
+                self.assertIn(lobe, ("reflection", "transmission", "mirror", "refraction", "reflection, transmission"))
+                if letter == "D":
+                    self.assertGreater(float(pdf), 0)
+                    self.assertGreater(float(reverse), 0)
+            weights = self.text("#pathWeights")
+            self.assertTrue(weights.startswith("Weights of all techniques: "), weights)
+            parts = [float(part.split()[-1]) for part in weights.split(": ")[1].split(" · ")]
+            self.assertAlmostEqual(sum(parts), 1, delta=0.02)
+            self.assertEqual(self.text("#omission"), "")
+
+    def test6WhatIsNotRecordedHasAReason(self):
+        self.open("lightpath", ON_WALL)
+        self.assertIn("Connections of light paths to the camera are not recorded", self.text("#recordNotes"))
+        self.assertIn("connections to the camera, without a record, add ", self.text("#pathStatus"))
+        self.open("ambientocclusion", ON_WALL)
+        self.assertIn("This integrator supposes white light", self.text("#recordNotes"))
+        word, objects, segments = self.drawPathsOf("hit")
+        self.assertEqual((word, segments), ("LDE", 2))
+        for integrator, technique, reason in (
+                ("simplephotonmap", "merge", "photons are stored without the paths"),
+                ("radiosity", "patches", "patches store irradiance")):
+            self.open(integrator, ON_WALL)
+            self.assertEqual(browser.evaluate("document.getElementById('recordNotes').hidden"), integrator != "radiosity")
+            word, objects, segments = self.drawPathsOf(technique)
+            self.assertRegex(word, "^L…D[SD]*E$")
+            self.assertEqual(segments, len(word) - 3)  # up to the last known vertex
+            self.assertIn(reason, self.text("#omission"))
+
+    def test7RaysOfTheOldMethodsEndAtTheLamp(self):
+        for integrator in ("raycast", "whitted", "radiosity", "vpl"):
+            self.open(integrator, ON_WALL)
+            word, objects, segments = self.drawPathsOf("light sample")
+            self.assertRegex(word, "^LD[SD]*E$", integrator)
+            self.assertEqual(segments, len(word) - 1, integrator)
 
     def test4PathTracingHasNeitherPhotonsNorLightPaths(self):
         self.open("path")

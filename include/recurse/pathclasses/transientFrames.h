@@ -21,6 +21,8 @@ class TransientFrames {
 
   bool empty() const { return count == 0; }
   size_t frameCount() const { return count; }
+  double from() const { return begin; }
+  double to() const { return end; }
   /** Number of layers: the frames, one before and one after them; 0 without frames. */
   size_t layerCount() const { return empty() ? 0 : count + 2; }
   /** Layer by the optical length [scene units]: 0 before the frames, 1 to frameCount(), one after them. */

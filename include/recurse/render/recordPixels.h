@@ -16,6 +16,8 @@ namespace recurse {
 struct RecordedPixel {
   int x = 0, y = 0; ///< on the whole film, within the crop window
   PathRecorder record;
+  /** Light of connections to the camera, which are not recorded: its value on the film of a render. */
+  Rgb splats{0};
   /** Mean of the samples, weighted by the filter: the value on the film, if all samples are recorded and
    * there are no splats. */
   Rgb value() const;

@@ -18,6 +18,10 @@ namespace recurse {
  * pixels without a sample. */
 void countSamples(const Film& film, RenderStatistics& statistics);
 
+/** Adds a warning where all frames of a transient render are black. `log` gets it too; may be empty. */
+void warnOfDarkFrames(const Film& film, const PathClasses& classes, RenderStatistics& statistics,
+                      const std::function<void(const std::string&)>& log);
+
 /**
  * Renders into the film, which has the scene's crop window and a layer for each of `classes`. It is empty, or
  * the film of the resume point of an interrupted render. Returns early when `stop` becomes true; the film

@@ -50,6 +50,11 @@ std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& 
   return pixels;
 }
 
+/** Index of a pixel on the film of a crop window. */
+size_t pixelIndex(const PixelBounds& crop, const RecordedPixel& pixel) {
+  return size_t(pixel.y - crop.y0) * size_t(crop.width()) + size_t(pixel.x - crop.x0);
+}
+
 PathClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
@@ -126,6 +131,9 @@ ExitStatus inspectScene(const InspectOptions& o) {
     if (result.isInterrupted()) return ExitStatus::INTERRUPTED;
     const RenderReport report = result.report("recurse inspect");
     inspection.picture = pictureOf(result.film, report);
+    if (const SplatPlane* splats = result.film.splats())
+      for (RecordedPixel& pixel : inspection.pixels)
+        pixel.splats = splats->value(pixelIndex(scene.film().crop, pixel), 0);
     inspection.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                        " samples per pixel";
     statistics = statisticsJson(report);
@@ -137,6 +145,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
   inspection.shownPhotons = photons;
+  inspection.notes = recordNotes(*loaded.integrator);
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });

@@ -64,6 +64,7 @@ std::shared_ptr<Inspection> PixelQueries::inspectionOf(const PixelQuestion& now,
   pause.record(pixel.x, pixel.y, RECORDED_SAMPLES, pixel.record);
   inspection->pixels.push_back(std::move(pixel));
   const Integrator& integrator = pause.integrator();
+  inspection->notes = recordNotes(integrator);
   inspection->photons = photonsOf(integrator, SHOWN_PHOTONS, inspection->photonsInMap);
   inspection->shownPhotons = SHOWN_PHOTONS;
   inspection->photonName = integrator.photonName();

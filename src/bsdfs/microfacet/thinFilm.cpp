@@ -126,11 +126,12 @@ void addThinFilmParameters(std::vector<ParameterSpec>& parameters) {
                            .withTexture());
   parameters.push_back(
       realParameter("thinfilm.eta", "1.33", "refractive index of the film over that of the outside")
-          .range(1, 10));
+          .range(1, 10)
+          .withTexture());
 }
 
 ThinFilmParameters::ThinFilmParameters(const Parameters& p, const TextureLookup& textures)
-    : thickness(textures.real(p, "thinfilm.thickness")), eta(static_cast<float>(p.real("thinfilm.eta"))) {
+    : thickness(textures.real(p, "thinfilm.thickness")), eta(textures.real(p, "thinfilm.eta")) {
   if (p.has("thinfilm.eta") && !exists())
     p.warn("thinfilm.eta", "there is no film: \"thinfilm.thickness\" is 0");
 }

@@ -29,12 +29,13 @@ class ThinFilmParameters {
   ThinFilmParameters(const Parameters& p, const TextureLookup& textures);
   /** Whether there is a film anywhere. */
   bool exists() const { return thickness.texture || thickness.constant.r > 0; }
-  bool textured() const { return thickness.texture != nullptr; }
-  ThinFilm at(const SurfacePoint& point) const { return {std::max(thickness.at(point).r, 0.0f), eta}; }
+  bool textured() const { return thickness.texture || eta.texture; }
+  ThinFilm at(const SurfacePoint& point) const {
+    return {std::max(thickness.at(point).r, 0.0f), eta.at(point).r};
+  }
 
  private:
-  TexturedRgb thickness;
-  float eta;
+  TexturedRgb thickness, eta;
 };
 
 } // namespace recurse

@@ -61,6 +61,12 @@ RadiusCache probeSurfaces(const Scene& scene) {
   return surfaces;
 }
 
+/** Sampler of a light path. */
+Sampler lightPathSampler(const Pass& pass, uint64_t number) {
+  return Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (number >> 32),
+                 static_cast<uint32_t>(number));
+}
+
 } // namespace
 
 ParameterSpec guidedStartsParameter() {
@@ -129,6 +135,7 @@ class Bidirectional::LightWalk {
         splat(stored, path, sampler.fork(static_cast<uint32_t>(vertex.depth)));
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
+      record.leave(vertex, *step);
       StoredVertex& last = out.vertices.back();
       last.delta = path.delta;
       last.straight = passesPane(scene, *vertex.scattering, *step);
@@ -220,6 +227,7 @@ class Bidirectional::LightWalk {
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
   ForwardStatistics statistics;
+  current = pass;
   radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
   subpaths.clear();
   photonVertices.clear();
@@ -244,9 +252,7 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
     for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i) {
       RecordedWalk record(recorder && recorder->isRecorded(i) ? &records[b] : nullptr,
                           1 / static_cast<float>(lightPaths));
-      walks.trace(
-          Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)),
-          record);
+      walks.trace(lightPathSampler(pass, i), record);
     }
     bytes[b] = parts[b].memoryBytes();
     if (!keepsLightPaths()) parts[b] = {};
@@ -268,6 +274,15 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   statistics.mapBytes = keepsLightPaths() ? subpaths.memoryBytes() + photons.memoryBytes()
                                           : *std::max_element(bytes.begin(), bytes.end());
   return statistics;
+}
+
+void Bidirectional::recordLightPath(const Scene& scene, const PathClasses& classes, size_t number,
+                                    std::vector<RecordedLightVertex>& record) const {
+  TransportCounts counts;
+  LightSubpaths aside;
+  RecordedWalk walk(&record, 1 / static_cast<float>(lightPaths));
+  LightWalk(*this, scene, classes, counts, nullptr, current.time, aside)
+      .trace(lightPathSampler(current, number), walk);
 }
 
 void Bidirectional::buildPhotons() {

@@ -60,6 +60,9 @@ class Bidirectional : public Integrator {
     return settings;
   }
   void buildPhotons();
+  /** Follows light path `number` of the current pass again, and appends its vertices to `record`. */
+  void recordLightPath(const Scene& scene, const PathClasses& classes, size_t number,
+                       std::vector<RecordedLightVertex>& record) const;
   bool keepsLightPaths() const { return settings.connections || settings.merges; }
   /** Merge radius of a path whose first non-delta vertex has this pixel footprint [scene units]. */
   double mergeRadius(double footprint) const;
@@ -80,6 +83,7 @@ class Bidirectional : public Integrator {
   double lightPaths = 0;  ///< number in each pass
   bool splatted = false;  ///< light paths are connected to the camera
   // State of the current pass:
+  Pass current;
   LightSubpaths subpaths;
   PhotonMap photons;
   std::vector<PhotonVertex> photonVertices; ///< by PhotonMap::emissionIndex()

@@ -76,28 +76,43 @@ class Bidirectional::CameraWalk {
   int recordLightPath(const StoredPath& from) {
     std::vector<RecordedLightVertex>& list = out.recorder->lightVertices;
     const auto [entry, isNew] = recordedPaths.try_emplace(&from, static_cast<int>(list.size()));
-    if (!isNew) return entry->second;
-    RecordedLightPath record(list);
-    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK,
-               classes.lightStart(from.end.index));
-    bool wasDelta = false;
-    for (uint32_t t = 1; t <= from.count; ++t) {
-      const StoredVertex& y = vertexOf(from, t);
-      record.add(LightVertexKind::SURFACE, wasDelta ? PathEvent::S : PathEvent::D, y.point.position,
-                 y.throughput / static_cast<float>(owner.lightPaths), y.state, y.connectable);
-      wasDelta = y.delta;
-    }
+    if (isNew)
+      owner.recordLightPath(scene, classes, static_cast<size_t>(&from - owner.subpaths.paths.data()), list);
     return entry->second;
   }
 
-  /** Sets the source of a contribution that joins the camera path with a vertex of a light path. */
-  void recordJoin(PathTechnique technique, const StoredPath& from, uint32_t t, double weight) {
+  /** Records the weights of all techniques for the latest source. */
+  void recordWeights(WeightedPath full) {
+    full.summed = 0;
+    full.sumNearCamera = 0;
+    std::vector<RecordedWeight>& list = out.recorder->weights;
+    RecordedSource& s = out.recorder->source;
+    s.firstWeight = list.size();
+    const size_t k = full.edges();
+    for (const TechniqueWeight& one : techniqueWeights(full)) {
+      const PathTechnique technique = one.isMerge          ? PathTechnique::MERGE
+                                      : one.index == k     ? PathTechnique::HIT
+                                      : one.index == k - 1 ? PathTechnique::LIGHT_SAMPLE
+                                      : one.index == 0     ? PathTechnique::SPLAT
+                                                           : PathTechnique::CONNECTION;
+      list.push_back(
+          {technique, static_cast<int>(std::min(one.index, k - 1)), static_cast<float>(one.weight)});
+    }
+    s.weightCount = list.size() - s.firstWeight;
+  }
+
+  /** Sets the source of a contribution that joins the camera path, in unit `direction`, with a vertex of a
+   * light path. */
+  void recordJoin(PathTechnique technique, const StoredPath& from, uint32_t t, const Vec3f& direction,
+                  double weight) {
     RecordedSource& s = out.recorder->source;
     const int estimate = technique == PathTechnique::MERGE ? s.estimate : NOT_RECORDED;
     s = {.technique = technique, .vertex = recordedVertex, .step = recordedStep, .estimate = estimate};
     s.lightVertex = recordLightPath(from) + static_cast<int>(t);
     s.end = vertexOf(from, t).point.position;
     s.weight = static_cast<float>(weight);
+    s.vertexPdf = static_cast<float>(vertex.pdfDirection(direction));
+    s.vertexPdfReverse = static_cast<float>(vertex.pdfReverse(direction));
   }
 
   /** Records the start of the shadow ray that competes with the next hit of the walk. */
@@ -136,12 +151,14 @@ class Bidirectional::CameraWalk {
   void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance, float length) {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
+    std::optional<WeightedPath> full;
     if (vertices.size() > 1) {
       const LightEnd end = lightEnd(scene, owner.emission(), index, ray, last);
       copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
-      weight = hitWeight(weighted(end, shadowRayStart()));
+      full = weighted(end, shadowRayStart());
+      weight = hitWeight(*full);
     }
     if (out.recorder) {
       const bool isInfinite = ray.normal == Vec3f(0);
@@ -152,6 +169,7 @@ class Bidirectional::CameraWalk {
                               .isInfinite = isInfinite,
                               .weight = static_cast<float>(weight),
                               .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
+      if (full) recordWeights(*full);
     }
     out.add(classes.lightStart(index), path.state, path.throughput * radiance * static_cast<float>(weight),
             length);
@@ -195,9 +213,12 @@ class Bidirectional::CameraWalk {
     const WeightedPath full = weighted(end, start);
     if (!(full.shadowRays > 0)) return;
     const auto weight = static_cast<float>(connectionWeight(full, full.edges() - 1));
-    if (out.recorder)
+    if (out.recorder) {
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
-                        static_cast<float>(vertex.pdfDirection(direction)), weight);
+                        static_cast<float>(vertex.pdfDirection(direction)),
+                        static_cast<float>(vertex.pdfReverse(direction)), weight);
+      recordWeights(full);
+    }
     out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight,
             lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), *sample));
   }
@@ -224,24 +245,32 @@ class Bidirectional::CameraWalk {
                                       visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
                                       path.nesting, out.counts))
       return;
-    copyVertices();
-    const size_t s = x.size() - 1;
+    const size_t s = vertices.size() - 1;
+    const float pdfThere = there.pdf(y.wi, -direction), pdfReverseThere = there.pdf(-direction, y.wi);
+    const auto joined = [&](bool summed) {
+      copyVertices();
+      owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
+      x[s - 1].fromLight = vertex.pdfPrevious(direction);
+      x[s].fromLight = double(pdfThere) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
+      x[s + 1].fromCamera =
+          vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
+      x[s + 1].delta = false;
+      x[s + 2].fromCamera = double(pdfReverseThere) * y.toPrevious;
+      WeightedPath full = weighted();
+      if (summed)
+        full.beyond = beyond[t - 1];
+      else
+        owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
+      return full;
+    };
     const bool summed = !owner.settings.merges && t > 1 && !owner.subpaths.startsAtPane(from);
-    owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
-    x[s - 1].fromLight = vertex.pdfPrevious(direction);
-    x[s].fromLight =
-        double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
-    x[s + 1].fromCamera =
-        vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
-    x[s + 1].delta = false;
-    x[s + 2].fromCamera = double(there.pdf(-direction, y.wi)) * y.toPrevious;
-    WeightedPath full = weighted();
-    if (summed)
-      full.beyond = beyond[t - 1];
-    else
-      owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
-    const double weight = connectionWeight(full, s);
-    if (out.recorder) recordJoin(PathTechnique::CONNECTION, from, t, weight);
+    const double weight = connectionWeight(joined(summed), s);
+    if (out.recorder) {
+      recordJoin(PathTechnique::CONNECTION, from, t, direction, weight);
+      out.recorder->source.lightVertexPdf = pdfThere;
+      out.recorder->source.lightVertexPdfReverse = pdfReverseThere;
+      recordWeights(joined(false));
+    }
     out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(weight),
             leaving(path.optical, *vertex.scattering, vertex.wi, direction).at(distance) +
                 owner.subpaths.length(from, t));
@@ -296,7 +325,10 @@ class Bidirectional::CameraWalk {
     x[s + 1].fromCamera = vertex.pdfDirection(y.wi) * y.toPrevious;
     const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, vertex.wi));
     const double weight = mergeWeight(full, s);
-    if (out.recorder) recordJoin(PathTechnique::MERGE, from, t, weight);
+    if (out.recorder) {
+      recordJoin(PathTechnique::MERGE, from, t, y.wi, weight);
+      recordWeights(full);
+    }
     out.add(y.state, vertex.afterD, radiance * static_cast<float>(weight),
             path.optical.length +
                 lengthNear(vertex.point().position, y.point.position, y.wi, owner.subpaths.length(from, t),

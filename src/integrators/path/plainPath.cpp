@@ -7,26 +7,12 @@
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
 
 namespace {
-
-int recordVertex(PathRecorder& recorder, int step, const CameraVertex& vertex) {
-  if (!vertex.medium)
-    return recorder.addVertex(step, vertex.hit, -vertex.wi, vertex.scattering->lobes(), vertex.throughput);
-  return recorder.addVertex(
-      {.step = step, .position = vertex.point().position, .inMedium = true, .throughput = vertex.throughput});
-}
-
-int recordStep(PathRecorder& recorder, int recorded, const CameraVertex& vertex, const Scatter& s,
-               const Rgb& throughput) {
-  RecordedStep step =
-      recordedStep(recorded, s, throughput, vertex.medium ? s.pdf : vertex.pdfReverse(s.direction));
-  if (vertex.medium) step.event = PathEvent::V;
-  return recorder.addStep(step);
-}
 
 /** Uniform density over the directions of a hemisphere. */
 class UniformGuide final : public DirectionGuide {
@@ -53,7 +39,7 @@ class PlainPath {
             const CausticPhotons* caustics)
       : scene(scene), classes(out.pathClasses()), lights(lights), settings(settings), sampler(sampler),
         out(out), caustics(caustics), walker(scene, classes, out.counts, settings.maxDepth),
-        path(startCameraSubpath(scene, classes, ray, out.counts)) {
+        path(startCameraSubpath(scene, classes, ray, out.counts)), record(out.recorder) {
     if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
   }
 
@@ -61,7 +47,7 @@ class PlainPath {
     const auto emission = [&](const Hit* hit) { hit ? addHitLight(*hit) : addEnvironment(); };
     const auto mediumEmission = [&](const Rgb& radiance) { addMediumEmission(radiance); };
     while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
-      const int recorded = out.recorder ? recordVertex(*out.recorder, lastStep, vertex) : NOT_RECORDED;
+      record.arrive(vertex);
       if (!vertex.medium) chooseDirections();
       LightSampleContext context{vertex.point().position};
       float mergeDensity = 0;
@@ -75,7 +61,7 @@ class PlainPath {
       }
       const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
       if (!s) return;
-      if (out.recorder) lastStep = recordStep(*out.recorder, recorded, vertex, *s, path.throughput);
+      record.leave(vertex, *s, path.throughput);
       leave(*s, context, mergeDensity);
     }
   }
@@ -95,7 +81,7 @@ class PlainPath {
     const bool isShared = caustics && isScattered && !last.weighted; // caustic photons find it as well
     const float weight = isShared ? caustics->rayWeight(scene, caustic.ratio(), source, path.ray) : 1;
     if (out.recorder)
-      recordHit(*out.recorder, lastStep, scene, lights, source, path.ray.direction, last,
+      recordHit(*out.recorder, record.step(), scene, lights, source, path.ray.direction, last,
                 settings.lightSamples, emitted * weight);
     add(light, path.throughput * emitted * weight, length);
   }
@@ -116,8 +102,11 @@ class PlainPath {
                   length);
   }
   void addMediumEmission(const Rgb& radiance) {
-    if (out.recorder)
-      out.recorder->source = {.technique = PathTechnique::HIT, .step = lastStep, .end = path.from};
+    if (out.recorder) {
+      Hit end;
+      const bool isHit = scene.intersect(path.ray, end);
+      recordFlight(*out.recorder, record.step(), path.ray, isHit ? end.t : INFINITE);
+    }
     add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
   }
 
@@ -169,8 +158,8 @@ class PlainPath {
   std::optional<UniformGuide> uniform; ///< guide at the vertex, if BSDFs are not sampled
   BsdfRay last;                        ///< ray that left the last vertex, panes aside
   CausticRay caustic;
-  bool isScattered = false;   ///< has passed a non-delta vertex
-  int lastStep = CAMERA_STEP; ///< step by which the ray left, see PathRecorder
+  bool isScattered = false; ///< has passed a non-delta vertex
+  RecordedCameraPath record;
 };
 
 } // namespace

@@ -18,12 +18,29 @@ RaysToLights raysToLights(int lightSamples, bool first) {
   return {lightSamples, first ? RAYS * lightSamples : lightSamples};
 }
 
+/** Records a vertex in a medium on the path's ray. */
+void recordScattering(const PathState& path, const Vec3f& position, const Rgb& throughput,
+                      PathRecorder& recorder) {
+  recorder.addVertex(
+      {.step = path.recordedStep, .position = position, .inMedium = true, .throughput = throughput});
+}
+
+/** Sets the source of the next contribution to one photon at `position`, merged at the latest vertex.
+ * `phase`: phase function for its direction [1/sr]. */
+void recordMerge(const Vec3f& position, float phase, PathRecorder& recorder) {
+  recorder.source = {.technique = PathTechnique::MERGE,
+                     .vertex = recorder.source.vertex,
+                     .end = position,
+                     .vertexPdf = phase,
+                     .vertexPdfReverse = phase};
+}
+
 } // namespace
 
 void PhotonMapping::passMedium(const Scene& scene, PathState& path, uint16_t number, float end,
                                Sampler& sampler, PathRadiance& out) const {
   const RayTransmittance transmittance(*scene.medium(number), path.walk.ray, end, sampler);
-  if (out.recorder) out.recorder->source = {.step = path.recordedStep};
+  if (out.recorder) recordFlight(*out.recorder, path.recordedStep, path.walk.ray, end);
   // Where photons are stored, they include the emission of media.
   if (path.weights.byRays || settings.directLight)
     addLight(path, startInMedium(scene, out.pathClasses(), number), transmittance.emitted(),
@@ -59,6 +76,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
                                         spectral, [](const Rgb&) {});
     if (!c.scatters || isBlack(spectral.throughput)) return;
     hit.point = pointInMedium(path.walk.ray, c.t);
+    if (out.recorder) recordScattering(path, hit.point.position, spectral.throughput, *out.recorder);
     optical.travel(c.t);
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,
                            panes, sampler, out);
@@ -75,6 +93,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
     optical = path.walk.optical;
     optical.travel(s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
+    if (out.recorder) recordScattering(path, hit.point.position, spectral.throughput, *out.recorder);
     addLightInMedia(scene, vertex(hit, spectral), s->light, s->index, 1 / s->reciprocalPdf, panes, random,
                     out);
   };
@@ -90,17 +109,22 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
 void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, const Medium& medium, float end,
                                     const RayTransmittance& transmittance, const Rgb& throughput,
                                     CameraState camera, PathRadiance& out) const {
-  const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState, float length) {
+  const auto add = [&](const Vec3f& position, const Vec3f& flight, const Rgb& scattered, float t,
+                       uint8_t pathState, float length) {
     const float f = medium.phase->value(-glm::dot(flight, path.walk.ray.direction));
     ++out.counts.photonsFound;
-    out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f,
-            path.walk.optical.at(t) + length);
+    const Rgb attenuated = throughput * transmittance.to(t);
+    if (out.recorder) {
+      recordScattering(path, path.walk.ray.at(t), attenuated, *out.recorder);
+      recordMerge(position, f, *out.recorder);
+    }
+    out.add(LightState(pathState), camera, attenuated * scattered * f, path.walk.optical.at(t) + length);
   };
   const MediaPhotons& inMedia = photons.inMedia();
   inMedia.points.visitAlong(path.walk.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
     if (p.medium != number) return;
     const Vec3f flight = unpackDirection(p.direction);
-    add(flight, p.power * kernel, t, p.pathState,
+    add(p.position, flight, p.power * kernel, t, p.pathState,
         lengthNear(path.walk.ray.at(t), p.position, -flight, inMedia.points.pathLength(p),
                    path.walk.optical.index));
   });
@@ -109,8 +133,9 @@ void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, cons
   const Rgb extinction = point.extinction(), relative = extinction - thinnest(extinction);
   inMedia.beams.visitAlong(path.walk.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
     if (b.medium == number)
-      add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
-          b.pathState, inMedia.beams.pathLength(b) + path.walk.optical.index * s);
+      add(b.origin + s * b.direction, b.direction,
+          b.power * flight::transmittance(relative, s) * point.scattering * kernel, t, b.pathState,
+          inMedia.beams.pathLength(b) + path.walk.optical.index * s);
   });
 }
 

@@ -14,6 +14,7 @@
 #include "transport/direct/localShading.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -62,11 +63,16 @@ class Radiosity final : public Integrator {
     CameraWalker walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+    const auto addEmission = [&](const Hit* hit) {
+      addSeenEmission(scene, lights, path, hit, CAMERA_STEP, out);
+    };
     if (!walker.next(path, vertex, sampler, addEmission)) return;
+    RecordedCameraPath(out.recorder).arrive(vertex);
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
     const auto patchPoint = vertex.isConnectable() ? find(vertex.hit, *vertex.scattering) : std::nullopt;
     if (!patchPoint) return;
+    if (PathRecorder* recorder = out.recorder)
+      recorder->source = {.technique = PathTechnique::PATCHES, .vertex = recorder->source.vertex};
     const Vec3f normal = vertex.point().normalTowards(vertex.wi);
     const Rgb f = vertex.scattering->value(vertex.wi, normal);
     const size_t side = sideOf(vertex.wi, vertex.point());

@@ -98,7 +98,14 @@ std::string lobeName(LobeSet lobe) {
   if (lobe & MIRROR) return "mirror";
   if (lobe & REFRACTION) return "refraction";
   if (lobe & TRANSMISSION) return "transmission";
-  return "reflection";
+  return lobe & REFLECTION ? "reflection" : "";
+}
+
+/** Non-delta lobes, of which light samples, connections and merges evaluate the sum. */
+std::string nonDeltaNames(LobeSet lobes, bool inMedium) {
+  if (inMedium) return "phase";
+  const bool both = (lobes & NON_DELTA_LOBES) == NON_DELTA_LOBES;
+  return both ? "reflection, transmission" : lobeName(lobes & NON_DELTA_LOBES);
 }
 
 /** Record of one pixel. Indices refer to entries of the same pixel. Each kind of entry is a list of lists,
@@ -109,7 +116,8 @@ class PixelJson {
 
   Json of(const RecordedPixel& pixel) {
     const PathRecorder& record = pixel.record;
-    Json out = {{"x", pixel.x}, {"y", pixel.y}, {"value", numbers(pixel.value())}};
+    Json out = {
+        {"x", pixel.x}, {"y", pixel.y}, {"value", numbers(pixel.value())}, {"splats", numbers(pixel.splats)}};
     for (const char* name : {"samples", "vertices", "steps", "estimates", "contributions", "lightVertices"})
       out[name] = Json::array();
     for (size_t i = 0; i < record.samples().size(); ++i)
@@ -122,7 +130,7 @@ class PixelJson {
     for (const RecordedEstimate& e : record.estimates())
       out["estimates"].push_back({e.vertex, e.caustic, shortened(double(e.radius)), e.photons});
     for (const RecordedContribution& c : record.contributions())
-      out["contributions"].push_back(contribution(c));
+      out["contributions"].push_back(contribution(record, c));
     for (const RecordedLightVertex& v : record.lightVertices) out["lightVertices"].push_back(lightVertex(v));
     return out;
   }
@@ -139,13 +147,46 @@ class PixelJson {
             table.index(object),
             table.index(v.material ? scene.materialName(v.material) : ""),
             v.inMedium,
-            numbers(v.throughput)};
+            numbers(v.throughput),
+            table.index(nonDeltaNames(v.lobes, v.inMedium))};
+  }
+  std::string objectOf(const RecordedLightVertex& v) const {
+    switch (v.kind) {
+    case LightVertexKind::START:
+      return "light";
+    case LightVertexKind::MEDIUM:
+      return "medium";
+    case LightVertexKind::SURFACE:
+      return scene.objectName(v.object);
+    case LightVertexKind::ESCAPE:
+      break;
+    }
+    return "";
   }
   Json lightVertex(const RecordedLightVertex& v) {
-    return {v.previous, std::string(1, "SDV"[size_t(v.event)]), numbers(v.position), numbers(v.flux)};
+    return {v.previous,
+            std::string(1, "SDV"[size_t(v.event)]),
+            numbers(v.position),
+            numbers(v.flux),
+            table.index(objectOf(v)),
+            table.index(v.material ? scene.materialName(v.material) : ""),
+            table.index(nonDeltaNames(v.lobes, v.kind == LightVertexKind::MEDIUM)),
+            table.index(lobeName(v.lobe)),
+            shortened(double(v.pdf)),
+            shortened(double(v.pdfReverse))};
   }
-  Json contribution(const RecordedContribution& c) {
+  /** Weights of all techniques: a list of technique, number of camera vertices, weight. */
+  Json weights(const PathRecorder& record, const RecordedSource& s) {
+    Json out = Json::array();
+    for (size_t i = s.firstWeight; i < s.firstWeight + s.weightCount; ++i) {
+      const RecordedWeight& w = record.weights[i];
+      out.push_back({table.index(techniqueName(w.technique)), w.cameraVertices, shortened(double(w.weight))});
+    }
+    return out;
+  }
+  Json contribution(const PathRecorder& record, const RecordedContribution& c) {
     const RecordedSource& s = c.source;
+    const char* omission = s.omission();
     return {table.index(techniqueName(s.technique)),
             s.vertex,
             s.step,
@@ -157,7 +198,11 @@ class PixelJson {
             shortened(double(s.otherPdf)),
             classOf(c.classes),
             numbers(c.radiance),
-            s.lightVertex};
+            s.lightVertex,
+            {shortened(double(s.vertexPdf)), shortened(double(s.vertexPdfReverse)),
+             shortened(double(s.lightVertexPdf)), shortened(double(s.lightVertexPdfReverse))},
+            weights(record, s),
+            table.index(omission ? omission : "")};
   }
 
   const Scene& scene;
@@ -305,6 +350,17 @@ std::string photonExpression(const PathClasses& classes, const std::vector<Store
   return text.empty() ? "" : "(" + text + ") & (" + photonPaths + ")";
 }
 
+std::vector<std::string> recordNotes(const Integrator& integrator) {
+  std::vector<std::string> notes;
+  if (integrator.splats())
+    notes.emplace_back(
+        "Connections of light paths to the camera are not recorded: the picture has their light in "
+        "addition to these paths.");
+  if (const std::string supposed = integrator.suppositions(); !supposed.empty())
+    notes.push_back("This integrator supposes " + supposed + ".");
+  return notes;
+}
+
 std::string referenceText(const Scene& scene, const ReferencePoint& reference) {
   return referenceJson(scene, reference).dump();
 }
@@ -334,6 +390,7 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"picture", std::move(picture)},
                      {"pixels", std::move(pixels)},
                      {"names", names.names},
+                     {"notes", inspection.notes},
                      {"photons", photonsJson(classes, inspection)},
                      {"boxes", boxesJson(inspection.boxes)},
                      {"lightPaths", lightPathsJson(classes, inspection.lightPaths)},

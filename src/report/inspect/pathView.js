@@ -31,12 +31,15 @@ class PixelPaths {
     this.paths.sort((a, b) => b.brightness - a.brightness);
   }
 
-  path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance, lightVertex], i) {
+  path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance, lightVertex, densities,
+    weights, omission], i) {
     const sample = this.pixel.samples.findIndex(([first, last]) => i >= first && i < last);
     const found = { technique: this.names[technique], end, isInfinite, weight, pdf, otherPdf, cls, radiance, sample,
-      estimate: this.pixel.estimates[estimate] };
-    const last = found.technique === "hit" || vertex < 0 ? (this.pixel.steps[step]?.[0] ?? -1) : vertex;
-    found.steps = this.stepsTo(found.technique === "hit" ? step : this.pixel.vertices[last]?.[0] ?? -1);
+      densities, omission: this.names[omission], estimate: this.pixel.estimates[estimate],
+      weights: weights.map(([name, vertices, w]) => [this.names[name], vertices, w]) };
+    found.byRay = found.technique === "hit" || found.technique === "emission along a ray";
+    const last = found.byRay || vertex < 0 ? (this.pixel.steps[step]?.[0] ?? -1) : vertex;
+    found.steps = this.stepsTo(found.byRay ? step : this.pixel.vertices[last]?.[0] ?? -1);
     found.vertices = this.verticesTo(last);
     found.lightVertices = this.lightVerticesFrom(lightVertex);
     found.word = this.word(found);
@@ -61,7 +64,8 @@ class PixelPaths {
     return out;
   }
 
-  /** Vertices of the light path, from a vertex to the light: [previous, event at the previous vertex, position, flux]. */
+  /** Vertices of the light path, from a vertex to the light: [previous, event at the previous vertex, position, flux,
+   *  object, material, non-delta lobes; of the event at the previous vertex: lobe, pdf, reverse pdf]. */
   lightVerticesFrom(vertex) {
     const out = [];
     for (; vertex >= 0; vertex = this.pixel.lightVertices[vertex][0]) out.push(this.pixel.lightVertices[vertex]);
@@ -69,15 +73,15 @@ class PixelPaths {
   }
 
   /** Word of a path: L, the events from the light on, E; events of photons that are not known are an ellipsis. */
-  word({ technique, steps, vertices, lightVertices }) {
+  word({ technique, byRay, steps, vertices, lightVertices }) {
     // The event of a vertex next to the light is that of the start, which is none.
     const light = lightVertices.slice(0, -2).map((v) => v[1]).reverse().join("");
     const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
-    if (technique === "hit") return `L${letters}E`;
+    if (byRay) return `L${letters}E`;
     if (technique === "light sample") return `L${at}${letters}E`;
-    if (technique === "merge") return `L${lightVertices.length > 0 ? light : "…"}${at}${letters}E`;
+    if (technique === "merge" || technique === "patches" || technique === "ambient term") return `L${lightVertices.length > 0 ? light : "…"}${at}${letters}E`;
     if (technique === "connection") return `L${light}D${at}${letters}E`;
-    return "L…E";
+    return `L…${letters}E`;
   }
 
   /** Whether an expression contains a path of this word and class. */
@@ -98,6 +102,8 @@ class PathView {
     element("showPaths").addEventListener("input", () => this.draw());
     element("sample").addEventListener("input", () => this.update());
     element("filter").addEventListener("input", () => this.update());
+    element("recordNotes").textContent = data.notes.join(" ");
+    element("recordNotes").hidden = data.notes.length === 0;
   }
 
   show(pixel) {
@@ -152,8 +158,10 @@ class PathView {
     this.list = this.shown();
     if (!this.list.includes(this.chosen)) this.chosen = null;
     const sum = this.list.reduce((s, path) => s + path.brightness, 0), all = luminance(...this.pixel.value);
+    const splats = luminance(...this.pixel.splats);
     element("pathStatus").textContent = `${this.list.length} of ${this.paths.paths.length} contributions of `
-      + `${this.pixel.samples.length} samples: ${formatValue(sum)} of the pixel's ${formatValue(all)} in luminance`;
+      + `${this.pixel.samples.length} samples: ${formatValue(sum)} of the pixel's ${formatValue(all)} in luminance`
+      + (splats > 0 ? `; connections to the camera, without a record, add ${formatValue(splats)}` : "");
     this.fillContributions();
     this.draw();
   }
@@ -185,30 +193,53 @@ class PathView {
     if (this.chosen) this.fillVertices(this.chosen);
   }
 
-  /** Fills one row for each vertex from the camera on, and one for the end at the light or the photons. */
+  /** Fills one row for each vertex from the camera on, and one for the end at the light or the photons. A vertex has
+   *  the lobe and the densities of the event there: where paths are joined, of the direction to the other side. */
   fillVertices(path) {
     const table = element("vertices"), sample = this.pixel.samples[path.sample];
     const world = (p) => worldText(this.data, p), colour = (c) => c.map(numberText).join(" ");
+    const density = (x) => x > 0 ? numberText(x) : "";
     element("word").textContent = path.word;
     table.replaceChildren();
     addRow(table, ["", "object", "material", "lobe", "throughput", "pdf", "reverse pdf", "position"], "th");
     addRow(table, ["E", "camera", "", "", "1", "", "", world(sample[2])]);
     path.vertices.forEach((v, i) => {
       const step = path.steps[i];
-      const letter = step ? step[1] : v[5] ? "V" : "D";
-      addRow(table, [letter, this.data.names[v[3]], this.data.names[v[4]], step ? this.data.names[step[2]] : "",
-        colour(v[6]), step ? numberText(step[3]) : "", step ? numberText(step[4]) : "", world(v[1])]);
+      const letter = step ? step[1] : v[5] ? "V" : "D", [pdf, reverse] = step ? step.slice(3, 5) : path.densities;
+      addRow(table, [letter, this.data.names[v[3]], this.data.names[v[4]], this.data.names[step ? step[2] : v[7]],
+        colour(v[6]), density(pdf), density(reverse), world(v[1])]);
     });
-    path.lightVertices.slice(0, -1).forEach(([, , position, flux], i) => {
-      const letter = i > 0 ? path.lightVertices[i - 1][1] : path.technique === "connection" ? "D" : "";
-      addRow(table, [letter, "light path", "", "flux", colour(flux), "", "", world(position)]);
+    if (path.lightVertices.length > 0) this.fillLightPath(path, table);
+    else this.fillEnd(path, table);
+    element("pathWeights").textContent = weightsText(path);
+    element("omission").textContent = path.omission ? `The path to the light is not known: ${path.omission}.` : "";
+  }
+
+  /** Fills one row for the edge that joins both sides, and one for each vertex of the light path, with its densities from
+   *  the light on. */
+  fillLightPath(path, table) {
+    const colour = (c) => c.map(numberText).join(" "), density = (x) => x > 0 ? numberText(x) : "";
+    const names = this.data.names, isConnection = path.technique === "connection";
+    addRow(table, ["", "light path", path.technique, `weight ${numberText(path.weight)}`, colour(path.radiance), "", "", ""]);
+    path.lightVertices.forEach(([previous, , position, flux, object, material, lobes], i) => {
+      const next = path.lightVertices[i - 1];
+      const [letter, lobe, pdf, reverse] = next ? [next[1], names[next[7]], next[8], next[9]]
+        : isConnection ? ["D", names[lobes], path.densities[2], path.densities[3]] : ["", "", 0, 0];
+      addRow(table, [previous < 0 ? "L" : letter, names[object], names[material], lobe, colour(flux), density(pdf),
+        density(reverse), worldText(this.data, position)]);
     });
+  }
+
+  /** Fills the row of the light or the photons at the end of a path without a light path. */
+  fillEnd(path, table) {
+    const world = (p) => worldText(this.data, p), colour = (c) => c.map(numberText).join(" ");
     const e = path.estimate;
     const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique;
     const towards = () => [path.end[0] * this.data.mirror, path.end[1], path.end[2]].map(numberText).join(" ");
-    const place = e ? "" : path.isInfinite ? `towards ${towards()}` : world(path.end);
-    addRow(table, ["L", what, "", `weight ${numberText(path.weight)}`, colour(path.radiance), numberText(path.pdf),
-      path.otherPdf > 0 ? `other ${numberText(path.otherPdf)}` : "", place]);
+    const isPoint = !path.omission || path.technique === "merge" && !e;
+    const place = !isPoint ? "" : path.isInfinite ? `towards ${towards()}` : world(path.end);
+    addRow(table, ["L", what, "", `weight ${numberText(path.weight)}`, colour(path.radiance),
+      path.pdf > 0 ? numberText(path.pdf) : "", path.otherPdf > 0 ? `other ${numberText(path.otherPdf)}` : "", place]);
   }
 
   /** Points of a path from the camera on. */
@@ -216,7 +247,7 @@ class PathView {
     const sample = this.pixel.samples[path.sample], points = [vector(sample[2])];
     for (const v of path.vertices) points.push(vector(v[1]));
     if (path.isInfinite) points.push(points.at(-1).clone().addScaledVector(vector(path.end), this.data.radius));
-    else if (path.technique === "hit" || path.technique === "light sample") points.push(vector(path.end));
+    else if (path.byRay || path.technique === "light sample") points.push(vector(path.end));
     for (const v of path.lightVertices) points.push(vector(v[2]));
     return points;
   }
@@ -262,6 +293,18 @@ class PathView {
     return new THREE.Points(new THREE.BufferGeometry().setFromPoints(points),
       new THREE.PointsMaterial({ color: 0xffffff, size: 4, sizeAttenuation: false }));
   }
+}
+
+/** MIS weights of the techniques that can make a path, in words. */
+function weightsText({ technique, weight, pdf, otherPdf, weights }) {
+  const after = (name, n) => name === "connection" || name === "merge" ? `${name} after ${n} from the camera` : name;
+  if (weights.length > 0)
+    return `Weights of all techniques: ${weights.map(([name, n, w]) => `${after(name, n)} ${numberText(w)}`).join(" · ")}`;
+  if (!(pdf > 0 && otherPdf > 0)) return "";
+  // Without a third technique, the power heuristic of both densities.
+  const isPair = Math.abs(weight - pdf * pdf / (pdf * pdf + otherPdf * otherPdf)) < 1e-3;
+  const other = !isPair ? "others" : technique === "hit" ? "light sample" : "hit";
+  return `Weights of all techniques: ${technique} ${numberText(weight)} · ${other} ${numberText(1 - weight)}`;
 }
 
 function swatch(colour) {

@@ -92,9 +92,12 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
   Rgb density = through.lightPdf * pdf;
   const float bsdfPdf = !light.unhittable && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
   if (bsdfPdf > 0) density += through.pathPdf * bsdfPdf;
-  if (out.recorder)
-    recordLightSample(*out.recorder, out.recorder->source.vertex, light, pdf, bsdfPdf,
+  if (PathRecorder* recorder = out.recorder) {
+    recordLightSample(*recorder, recorder->source.vertex, light, pdf, bsdfPdf,
+                      vertex.pdfReverse(light.direction),
                       recorded::weightOf(through.lightPdf * pdf, density));
+    recorder->source.vertexPdf = vertex.pdf(light.direction);
+  }
   density *= vertex.path.pathPdf;
   out.add(classes.lightStart(index), state,
           vertex.path.throughput * f * light.radiance * through.value * (3 / channelSum(density)),

@@ -78,6 +78,7 @@ inline void recordLightSample(PathRecorder& recorder, int vertex, const Scatteri
                               LobeSet allowed) {
   const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
   recordLightSample(recorder, vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
+                    scattering.pdf(light.direction, wi, ALL_LOBES, Transport::FLUX),
                     light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
@@ -140,6 +141,10 @@ struct LitVertex {
   }
   float pdf(const Vec3f& light) const {
     return medium ? medium->phase->value(glm::dot(-wi, light)) : scattering->pdf(wi, light, allowed);
+  }
+  /** Density with which a light path that arrives from unit `light` continues along `wi`. */
+  float pdfReverse(const Vec3f& light) const {
+    return medium ? pdf(light) : scattering->pdf(light, wi, ALL_LOBES, Transport::FLUX);
   }
 };
 

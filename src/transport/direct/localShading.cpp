@@ -3,6 +3,7 @@
  */
 #include "transport/direct/localShading.h"
 
+#include "transport/direct/recordedLight.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -12,22 +13,26 @@ namespace {
 constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 
 /** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, at the end of a
- * camera path in `state`. */
+ * camera path in `state` that left by `step` of the record. */
 void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const CameraSubpath& path,
-                const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput,
+                const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput, int step,
                 PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
   const Vec3f& direction = path.ray.direction;
   if (hit) {
-    out.add(classes.lightStart(hit->lightIndex), state,
-            throughput * emittedRadiance(scene, lights, *hit, direction, ray, lightSamples),
-            path.optical.length);
+    const Rgb radiance = emittedRadiance(scene, lights, *hit, direction, ray, lightSamples);
+    if (out.recorder)
+      recordHit(*out.recorder, step, scene, lights, *hit, direction, ray, lightSamples, radiance);
+    out.add(classes.lightStart(hit->lightIndex), state, throughput * radiance, path.optical.length);
     return;
   }
   const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
-  for (size_t i = 0; i < scene.environment().size(); ++i)
-    out.add(classes.lightStart(scene.environmentIndices()[i]), state,
-            throughput * environmentRadiance(scene, lights, i, direction, ray, lightSamples), length);
+  for (size_t i = 0; i < scene.environment().size(); ++i) {
+    const Rgb radiance = environmentRadiance(scene, lights, i, direction, ray, lightSamples);
+    if (out.recorder)
+      recordHit(*out.recorder, step, scene, lights, i, direction, ray, lightSamples, radiance);
+    out.add(classes.lightStart(scene.environmentIndices()[i]), state, throughput * radiance, length);
+  }
 }
 
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
@@ -42,10 +47,15 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   path.nesting = nesting;
   path.nesting.scatters(vertex.hit, vertex.wi, s->direction);
   const BsdfRay ray{context, s->pdf, true};
+  const Rgb throughput = vertex.throughput * s->weight;
+  int step = CAMERA_STEP;
+  if (PathRecorder* recorder = out.recorder)
+    step = recorder->addStep(
+        recordedStep(recorder->source.vertex, *s, throughput, float(vertex.pdfReverse(s->direction))));
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
-    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD, vertex.throughput * s->weight, out);
+    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD, throughput, step, out);
   });
 }
 
@@ -63,8 +73,8 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
 }
 
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
-                     const Hit* hit, PathRadiance& out) {
-  addEmitted(scene, lights, hit, path, {}, 1, path.state, path.throughput, out);
+                     const Hit* hit, int step, PathRadiance& out) {
+  addEmitted(scene, lights, hit, path, {}, 1, path.state, path.throughput, step, out);
 }
 
 } // namespace recurse

@@ -11,14 +11,14 @@ namespace recurse {
 
 /**
  * Adds the direct light of a vertex: one shadow ray and one BSDF ray, combined by MIS weights. Thin panes
- * occlude it. `nesting`: state of the walk that arrived at the vertex.
+ * occlude it. `nesting`: state of the walk that arrived at the vertex, which is the latest of a recorder.
  */
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out);
 
 /** Adds emission that the path's ray sees and no shadow ray samples, with weight 1. `hit` is the emitting
- * surface, or null where the ray left the scene. */
+ * surface, or null where the ray left the scene. `step`: of the recorded path, by which the ray left. */
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
-                     const Hit* hit, PathRadiance& out);
+                     const Hit* hit, int step, PathRadiance& out);
 
 } // namespace recurse

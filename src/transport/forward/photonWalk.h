@@ -108,6 +108,7 @@ class PhotonWalk {
   bool scatter(PhotonPath& photon, Sampler& sampler, float keptPart = 1) {
     const std::optional<Scatter> s = walker.scatter(photon.path, vertex, sampler, keptPart);
     if (!s) return false;
+    photon.record.leave(vertex, *s);
     if (vertex.medium) {
       photon.caustic = photon.straight = false;
       photon.ratio = {};

@@ -17,10 +17,38 @@ const char* techniqueName(PathTechnique technique) {
     return "connection";
   case PathTechnique::MERGE:
     return "merge";
+  case PathTechnique::FLIGHT:
+    return "emission along a ray";
+  case PathTechnique::PATCHES:
+    return "patches";
+  case PathTechnique::AMBIENT:
+    return "ambient term";
+  case PathTechnique::SPLAT:
+    return "connection to the camera";
   case PathTechnique::UNKNOWN:
     break;
   }
   return "unknown";
+}
+
+const char* RecordedSource::omission() const {
+  switch (technique) {
+  case PathTechnique::HIT:
+  case PathTechnique::LIGHT_SAMPLE:
+  case PathTechnique::CONNECTION:
+  case PathTechnique::FLIGHT:
+    return nullptr;
+  case PathTechnique::MERGE:
+    return lightVertex == NOT_RECORDED ? "photons are stored without the paths that they came by" : nullptr;
+  case PathTechnique::PATCHES:
+    return "patches store irradiance without the paths of its light";
+  case PathTechnique::AMBIENT:
+    return "a constant radiance replaces the light of these paths";
+  case PathTechnique::SPLAT:
+  case PathTechnique::UNKNOWN:
+    break;
+  }
+  return "the integrator does not record these paths";
 }
 
 void PathRecorder::beginSample(RecordedSample sample) {

@@ -31,10 +31,22 @@ inline RecordedStep recordedStep(int vertex, const Scatter& s, const Rgb& throug
           isDelta ? 0 : pdfReverse};
 }
 
+/** Sets the source of the next contribution to the emission of a medium along a ray of unit direction that
+ * left by `step`, up to the surface at distance `t`, which may be infinite. */
+inline void recordFlight(PathRecorder& recorder, int step, const Ray& ray, float t) {
+  const bool isInfinite = !(t < INFINITE);
+  recorder.source = {.technique = PathTechnique::FLIGHT,
+                     .vertex = recorder.source.vertex,
+                     .step = step,
+                     .end = isInfinite ? ray.direction : ray.at(t),
+                     .isInfinite = isInfinite};
+}
+
 /** Sets the source of the next contribution to a shadow ray from `vertex` to a light. `pdf`: density of all
- * light samples together; `otherPdf`: density of the BSDF-sampled ray. */
+ * light samples together; `vertexPdf`: density of the BSDF-sampled ray; `vertexPdfReverse`: see
+ * RecordedSource. */
 inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample& light, float pdf,
-                              float otherPdf, float weight) {
+                              float vertexPdf, float vertexPdfReverse, float weight) {
   const bool isInfinite = !(light.distance < INFINITE);
   recorder.source = {.technique = PathTechnique::LIGHT_SAMPLE,
                      .vertex = vertex,
@@ -43,7 +55,9 @@ inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample
                      .isInfinite = isInfinite,
                      .weight = weight,
                      .pdf = light.unhittable ? 0 : pdf,
-                     .otherPdf = light.unhittable ? 0 : otherPdf};
+                     .otherPdf = light.unhittable ? 0 : vertexPdf,
+                     .vertexPdf = vertexPdf,
+                     .vertexPdfReverse = vertexPdfReverse};
 }
 
 } // namespace recurse

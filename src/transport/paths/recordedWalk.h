@@ -23,11 +23,23 @@ class RecordedWalk {
 
   void start(const LightSubpath& path) {
     add(LightVertexKind::START, path, path.ray.origin, path.throughput);
+    if (!end || path.parallel) return;
+    pdf = static_cast<float>(path.pdf);
   }
   /** Adds a vertex on arrival, before the walk scatters there. */
   void arrive(const LightSubpath& path, const LightVertex& vertex, bool stored) {
     add(vertex.medium ? LightVertexKind::MEDIUM : LightVertexKind::SURFACE, path, vertex.point().position,
-        vertex.throughput, stored);
+        vertex.throughput, stored, &vertex);
+  }
+  /** Notes the event by which the walk leaves the latest vertex. */
+  void leave(const LightVertex& vertex, const Scatter& s) {
+    if (!end) [[likely]]
+      return;
+    lobe = s.lobe;
+    pdf = s.specular() ? 0 : s.pdf;
+    pdfReverse = s.specular()    ? 0
+                 : vertex.medium ? s.pdf
+                                 : static_cast<float>(vertex.pdfReverse(s.direction));
   }
   /** Callback of Walker::next(): adds the point where a ray that hits nothing has left the scene. */
   auto escape(const LightSubpath& path, const Scene& scene) {
@@ -38,14 +50,33 @@ class RecordedWalk {
 
  private:
   void add(LightVertexKind kind, const LightSubpath& path, const Vec3f& position, const Rgb& flux,
-           bool stored = false) {
-    if (!end) return;
-    const PathEvent event = path.delta ? PathEvent::S : end.isInMedium() ? PathEvent::V : PathEvent::D;
-    end.add(kind, event, position, flux * scale, path.state, stored);
+           bool stored = false, const LightVertex* at = nullptr) {
+    if (!end) [[likely]]
+      return;
+    RecordedLightVertex v{.kind = kind,
+                          .event = path.delta         ? PathEvent::S
+                                   : end.isInMedium() ? PathEvent::V
+                                                      : PathEvent::D,
+                          .position = position,
+                          .flux = flux * scale,
+                          .state = path.state,
+                          .stored = stored,
+                          .lobe = lobe,
+                          .pdf = pdf,
+                          .pdfReverse = pdfReverse};
+    if (kind == LightVertexKind::SURFACE) {
+      v.object = at->hit.object;
+      v.material = at->hit.material;
+      v.lobes = at->scattering->lobes();
+    }
+    end.add(v);
   }
 
   float scale;
   RecordedLightPath end;
+  // Of the latest event:
+  LobeSet lobe = NO_LOBE;
+  float pdf = 0, pdfReverse = 0;
 };
 
 } // namespace recurse

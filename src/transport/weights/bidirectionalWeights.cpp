@@ -88,6 +88,18 @@ double mergeWeight(const WeightedPath& path, size_t i) {
   return merge / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
 }
 
+std::vector<TechniqueWeight> techniqueWeights(const WeightedPath& path) {
+  const size_t k = path.edges();
+  std::vector<TechniqueWeight> all;
+  const auto add = [&](bool isMerge, size_t i, double weight) {
+    if (weight > 0) all.push_back({isMerge, i, weight});
+  };
+  for (size_t i = 0; i < k; ++i) add(false, i, connectionWeight(path, i));
+  if (path.lightIsIntersectable) add(false, k, hitWeight(path));
+  for (size_t i = 1; i + 1 < k; ++i) add(true, i, mergeWeight(path, i));
+  return all;
+}
+
 void countMerges(const WeightedPath& path) {
   const auto x = path.vertices;
   const size_t k = path.edges();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace recurse {
 
@@ -71,5 +72,14 @@ double connectionWeight(const WeightedPath& path, size_t i);
 double hitWeight(const WeightedPath& path);
 /** MIS weight of M_i, 0 < i < k - 1. */
 double mergeWeight(const WeightedPath& path, size_t i);
+
+/** MIS weight of C_index or M_index. */
+struct TechniqueWeight {
+  bool isMerge = false;
+  size_t index = 0;
+  double weight = 0;
+};
+/** Weights of all techniques that can make a path without partial sums. */
+std::vector<TechniqueWeight> techniqueWeights(const WeightedPath& path);
 
 } // namespace recurse

@@ -30,6 +30,7 @@ struct Inspection {
   std::string title, label;          ///< scene, and settings of the render
   Image picture;                     ///< R, G, B of the crop window
   std::vector<RecordedPixel> pixels; ///< recorded with the classes of the page
+  std::vector<std::string> notes;    ///< see recordNotes()
   std::vector<StoredPhoton> photons; ///< empty: the integrator has no photon map
   size_t photonsInMap = 0;           ///< number in the map, before thinning
   std::string photonName;            ///< see Integrator::photonName()
@@ -45,6 +46,9 @@ struct Inspection {
 
 /** Levels of Integrator::visitPhotonBoxes(): the last has up to 4096 boxes, enough for a clear picture. */
 constexpr int BOX_LEVELS = 13;
+
+/** Sentences about the light that the records of an integrator's paths lack, or suppose. */
+std::vector<std::string> recordNotes(const Integrator& integrator);
 
 /** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones.
  * Sets `inMap` to the number of photons in the map. */

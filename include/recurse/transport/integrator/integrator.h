@@ -60,6 +60,17 @@ struct KernelRadii {
   double mean() const { return std::exp2(sumLog2 / double(count())); }
 };
 
+/** Smallest and largest of the lengths that were added; `least` > `most` before the first. */
+struct LengthRange {
+  float least = INFINITE, most = -INFINITE; ///< [scene units]
+  bool empty() const { return least > most; }
+  void add(const LengthRange& o) {
+    least = std::min(least, o.least);
+    most = std::max(most, o.most);
+  }
+  void add(float length) { add(LengthRange{length, length}); }
+};
+
 /** Counters of a render, kept for each thread and then added. */
 struct TransportCounts {
   uint64_t rays = 0;         ///< intersection and occlusion queries
@@ -71,9 +82,11 @@ struct TransportCounts {
   uint64_t photonsFound = 0;            ///< over all gathers
   uint64_t photonsScattered = 0;        ///< number of these whose BSDF was evaluated one by one
   KernelRadii causticRadii, otherRadii; ///< of estimates from caustic photons, and from all other photons
+  LengthRange lengths;                  ///< optical lengths of paths with light, in transient renders only
   void add(const TransportCounts& o) {
     causticRadii.add(o.causticRadii);
     otherRadii.add(o.otherRadii);
+    lengths.add(o.lengths);
     rays += o.rays;
     boundaryRays += o.boundaryRays;
     nonFinite += o.nonFinite;
@@ -98,11 +111,14 @@ class Splatter {
            TransportCounts& counts) {
     const LayerMask mask = classes.join(light, eye);
     if (mask == 0 || isBlack(contribution)) return;
-    if (isFinite(contribution))
-      plane.add(film, filter, mask, whiteBalance ? *whiteBalance * contribution : contribution,
-                classes.isTransient() ? classes.layerOfLength(length) : SplatPlane::NO_LAYER);
-    else
+    if (!isFinite(contribution)) {
       ++counts.nonFinite;
+      return;
+    }
+    if (classes.isTransient()) [[unlikely]]
+      counts.lengths.add(length);
+    plane.add(film, filter, mask, whiteBalance ? *whiteBalance * contribution : contribution,
+              classes.isTransient() ? classes.layerOfLength(length) : SplatPlane::NO_LAYER);
   }
   std::optional<Mat3f> whiteBalance; ///< white balance of the film
   /** Counts light paths, with or without contributions. */
@@ -155,8 +171,10 @@ class PathRadiance {
     sum += added;
     for (LayerMask rest = mask; rest != 0; rest &= rest - 1)
       layers[static_cast<size_t>(__builtin_ctzll(rest))] += added;
-    if (classes.isTransient()) [[unlikely]]
+    if (classes.isTransient()) [[unlikely]] {
       layers[classes.layerOfLength(length)] += added;
+      if (!isBlack(radiance)) counts.lengths.add(length);
+    }
   }
   /** Adds radiance of LS*E paths: light seen by the camera without non-delta scattering. */
   void addSeen(LightState light, CameraState eye, const Rgb& radiance, float length = 0) {

@@ -9,6 +9,7 @@
 
 #include "recurse/core/math/rgb.h"
 #include "recurse/core/math/vector.h"
+#include "recurse/model/bsdf/bsdf.h"
 #include "recurse/pathclasses/pathClasses.h"
 
 namespace recurse {
@@ -33,8 +34,15 @@ struct RecordedLightVertex {
   /** Emitted or on arrival, divided by the number of light paths [W]; black for a START in
    * PathRecorder::lightVertices. */
   Rgb flux{0};
-  LightState state{};  ///< path-class state before this vertex's event
-  bool stored = false; ///< kept as a photon, a virtual light or a vertex for connections
+  LightState state{};                 ///< path-class state before this vertex's event
+  bool stored = false;                ///< kept as a photon, a virtual light or a vertex for connections
+  uint32_t object = 0;                ///< of a SURFACE, see Scene::objectName()
+  const Material* material = nullptr; ///< null unless it is a SURFACE
+  LobeSet lobes = NO_LOBE;            ///< of the BSDF
+  LobeSet lobe = NO_LOBE;             ///< lobe of the event at the previous vertex; NO_LOBE after a START
+  /** Density at the previous vertex of the direction to this one, and of the reverse direction from the
+   * camera's side [1/sr]; 0: a delta, or parallel light. */
+  float pdf = 0, pdfReverse = 0;
 };
 
 /** Record of every n-th light path of the latest forward pass. */
@@ -76,12 +84,12 @@ class RecordedLightPath {
   explicit RecordedLightPath(std::vector<RecordedLightVertex>& list) : list(&list) {}
 
   explicit operator bool() const { return list != nullptr; }
-  /** Adds a vertex behind the last one. `event`: see RecordedLightVertex::event. */
-  void add(LightVertexKind kind, PathEvent event, const Vec3f& position, const Rgb& flux, LightState state,
-           bool stored = false) {
+  /** Adds a vertex behind the last one, which becomes its `previous`. */
+  void add(RecordedLightVertex vertex) {
     if (!list) [[likely]]
       return;
-    list->push_back({last, kind, event, position, flux, state, stored});
+    vertex.previous = last;
+    list->push_back(vertex);
     last = static_cast<int>(list->size()) - 1;
   }
   /** Whether the last vertex is in a medium. */

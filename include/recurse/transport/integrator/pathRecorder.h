@@ -23,7 +23,11 @@ enum class PathTechnique : uint8_t {
   HIT,          ///< a ray hit a light
   LIGHT_SAMPLE, ///< a shadow ray to a sampled point of a light
   CONNECTION,   ///< a connection to a vertex of a light path
-  MERGE         ///< a density estimate from photons
+  MERGE,        ///< a density estimate from photons
+  FLIGHT,       ///< a ray passed a medium that emits
+  PATCHES,      ///< irradiance interpolated between patches
+  AMBIENT,      ///< a constant in the place of a path
+  SPLAT         ///< a connection of a light path to the camera, which has no record
 };
 
 /** Name of a technique: "hit", "light sample". */
@@ -63,6 +67,13 @@ struct RecordedEstimate {
   int photons = 0;      ///< number in the support; 0 as well where a cached irradiance is used
 };
 
+/** MIS weight of a technique that can make a recorded path. */
+struct RecordedWeight {
+  PathTechnique technique = PathTechnique::UNKNOWN;
+  int cameraVertices = 0; ///< scattering vertices that it samples from the camera
+  float weight = 0;
+};
+
 /** Origin of a contribution. */
 struct RecordedSource {
   PathTechnique technique = PathTechnique::UNKNOWN;
@@ -72,7 +83,10 @@ struct RecordedSource {
   /** Vertex of the light path: the other end of a connection, or the photon of a merge. Integrators that
    * merge many photons at once have none. */
   int lightVertex = NOT_RECORDED;
-  Vec3f end{0}; ///< point of the light or light path, or unit direction to it where `isInfinite`
+  /** Point of the light, of the light path, of a single merged photon, or where a ray leaves an emitting
+   * medium; unit direction to it where `isInfinite`. Unused where no point is known: merges of many photons
+   * at once, patches, and ambient terms. */
+  Vec3f end{0};
   bool isInfinite = false;
   /** MIS weight among all techniques that can make the path; 1 for merges of many photons at once. */
   float weight = 1;
@@ -80,6 +94,21 @@ struct RecordedSource {
   /** Density of a pair's second technique: a hit, or all light samples together [1/sr]; 0: it cannot make the
    * path, or is unknown. */
   float otherPdf = 0;
+  /** Density at `vertex` of the direction to `end` by the BSDF or the phase function [1/sr]; 0: unknown, or a
+   * hit, whose step has it. */
+  float vertexPdf = 0;
+  /** Density with which a light path that arrives from `end` leaves `vertex` towards the camera's side
+   * [1/sr]. */
+  float vertexPdfReverse = 0;
+  /** For a connection: density with which the light path leaves `lightVertex` towards `vertex`, and a camera
+   * path from there towards the light [1/sr]. */
+  float lightVertexPdf = 0, lightVertexPdfReverse = 0;
+  /** Weights of all techniques that can make the path, in PathRecorder::weights; none: unknown. */
+  size_t firstWeight = 0, weightCount = 0;
+
+  /** Why the path between the light and the camera's side is not recorded, in words; null for a whole path.
+   */
+  const char* omission() const;
 };
 
 /** Radiance that a path adds to a sample. */
@@ -129,6 +158,7 @@ class PathRecorder {
   RecordedSource source; ///< of the contributions that follow
   /** Vertices of the light paths that the samples were joined with. */
   std::vector<RecordedLightVertex> lightVertices;
+  std::vector<RecordedWeight> weights; ///< of contributions, see RecordedSource::firstWeight
 
   const std::vector<RecordedSample>& samples() const { return recordedSamples; }
   const std::vector<RecordedVertex>& vertices() const { return recordedVertices; }
