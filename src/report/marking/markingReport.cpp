@@ -94,6 +94,10 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
     add("The values were linearised twice: shadows are too dark",
         "Linear values were written to an 8-bit picture without encoding. Encode them with the sRGB curve "
         "before writing PNG or JPEG, or write EXR.");
+  if (change.encoding == ValueEncoding::TONE_CURVE)
+    add("The values are not in proportion to light: a tone curve or an unknown encoding was applied",
+        "Classes of light cannot be judged after it. Write linear values: an EXR file, or a PNG file "
+        "with '--tonemap none --exposure 0' if nothing but lamps is above white.");
   if (change.isFlippedHorizontally && change.isFlippedVertically)
     add("The picture is rotated by 180 degrees",
         "Check the signs of x and y of camera rays, and the order of pixels in the file.");
@@ -251,7 +255,7 @@ std::string markingText(const Marking& marking) {
 }
 
 std::string markingJson(const Marking& marking) {
-  static constexpr const char* ENCODING_NAMES[] = {"linear", "srgb", "gamma22", "decoded"};
+  static constexpr const char* ENCODING_NAMES[] = {"linear", "srgb", "gamma22", "decoded", "tone curve"};
   const PictureChange& change = marking.change;
   Json json = {{"right", marking.isRight()}};
   json["statements"] = Json::array();
