@@ -249,12 +249,11 @@ double Cells::surprise(const std::vector<double>& factors) const {
     for (size_t c = 0; c < 3; ++c) {
       const double x = (double(pictureAt(cell, 0)[c]) + double(pictureAt(cell, 1)[c])) / 2;
       const double difference = x - (predicted(cell, 0, c, factors) + predicted(cell, 1, c, factors)) / 2;
-      const double variance = variances[cell * 3 + c];
-      const double explained =
-          std::exp(-square(difference) / (2 * variance)) / std::sqrt(2 * std::numbers::pi * variance);
-      const double light = std::abs(x) + 1 / std::sqrt(weights[cell * 3 + c]);
-      sum -=
-          2 * std::log((1 - UNEXPLAINED_PRIOR) * explained + UNEXPLAINED_PRIOR / (UNEXPLAINED_RANGE * light));
+      // Densities in units of the tolerance. Noise of the reference does not make a density smaller, or
+      // factors that are too small would explain more.
+      const double explained = std::exp(-square(difference) / (2 * variances[cell * 3 + c]));
+      const double unexplained = CELL_TOLERANCE * std::sqrt(2 * std::numbers::pi) / UNEXPLAINED_RANGE;
+      sum -= 2 * std::log((1 - UNEXPLAINED_PRIOR) * explained + UNEXPLAINED_PRIOR * unexplained);
       ++count;
     }
   }

@@ -15,28 +15,23 @@ namespace {
 /** Regions along the longer side of the picture, where it has enough pixels. */
 constexpr int REGIONS = 20;
 
-/** Value at which a picture of a format for displays is clipped; infinite for any other. */
-float clippingValue(const Image& picture) {
-  constexpr float LAST_STEP = 1 / 512.0f; // half a step of eight bits
+/** Difference of the last two steps of eight bits, halved. */
+constexpr float LAST_STEP = 1 / 512.0f;
+
+bool isBelowWhite(const Image& picture) {
   for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const Rgb value = picture.rgb(x, y);
-      for (int c = 0; c < 3; ++c)
-        if (std::isfinite(value[c]) && value[c] > 1 + LAST_STEP)
-          return std::numeric_limits<float>::infinity();
-    }
-  return 1 - LAST_STEP;
+    for (int x = 0; x < picture.width; ++x)
+      if (const Rgb value = picture.rgb(x, y); isFinite(value) && maxComponent(value) > 1 + LAST_STEP)
+        return false;
+  return true;
 }
 
-Image clippedPixels(const Image& picture) {
-  const float limit = clippingValue(picture);
+Image clippedPixels(const Image& picture, bool isDisplayFormat) {
   Image out(picture.width, picture.height, {"R", "G", "B"});
+  if (!isDisplayFormat) return out;
   for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const Rgb value = picture.rgb(x, y);
-      const bool isClipped = value.r >= limit || value.g >= limit || value.b >= limit;
-      std::fill_n(out.at(x, y), 3, isClipped ? 1.0f : 0.0f);
-    }
+    for (int x = 0; x < picture.width; ++x)
+      std::fill_n(out.at(x, y), 3, maxComponent(picture.rgb(x, y)) >= 1 - LAST_STEP ? 1.0f : 0.0f);
   return out;
 }
 
@@ -65,9 +60,9 @@ int cellSide(const Image& picture) {
 } // namespace
 
 Exercise::Exercise(const Image& picture, const Stills& reference)
-    : picture(picture), reference(reference), clipped(clippedPixels(picture)),
-      usable(withoutClipped(picture, clipped)), side(cellSide(picture)), layers(reference.layers.size() - 1) {
-}
+    : picture(picture), reference(reference), isDisplayFormat(isBelowWhite(picture)),
+      clipped(clippedPixels(picture, isDisplayFormat)), usable(withoutClipped(picture, clipped)),
+      side(cellSide(picture)), layers(reference.layers.size() - 1) {}
 
 double Exercise::clippedFraction() const {
   return std::accumulate(clipped.pixels.begin(), clipped.pixels.end(), 0.0) / double(clipped.pixels.size());

@@ -1,14 +1,14 @@
 /** @file
- * Fit of a tone curve. Cells are sorted by the sum of their ranks in the picture and in the reference,
- * neither of which is free of noise, and divided into groups. The medians of a group are a knot. Groups are
- * smaller at both ends, like the distances of Chebyshev's nodes, because the curve is extrapolated there.
+ * Fit of a tone curve. Cells are sorted by one half of a checkerboard of the reference and divided into
+ * groups. The means of a group over the other half are a knot, so that neither noise of the reference nor
+ * bright pixels of the picture bend the curve. Groups are smaller at both ends, like the distances of
+ * Chebyshev's nodes, because the curve is extrapolated there.
  */
 #include "report/marking/fittedCurve.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 namespace recurse {
 
@@ -18,54 +18,55 @@ namespace {
 constexpr double LEAST_SLOPE = 0.02;
 
 struct Pair {
-  double light, value;
+  double key = 0;              ///< light of the black pixels of a cell
+  double light = 0, value = 0; ///< of the white pixels
 };
 
-/** Logarithms of the means over squares of pixels where both are positive. */
+/** Cells of a picture that can be used, of each channel or of the luminance. */
 std::vector<Pair> pairsOf(const Image& picture, const Image& light, CurveDomain domain, int side) {
   std::vector<Pair> out;
   for (int top = 0; top + side <= picture.height; top += side)
     for (int left = 0; left + side <= picture.width; left += side) {
-      Rgb value(0), mean(0);
+      Rgb value(0), halves[2] = {Rgb(0), Rgb(0)};
       for (int y = top; y < top + side; ++y)
         for (int x = left; x < left + side; ++x) {
-          value += picture.rgb(x, y);
-          mean += light.rgb(x, y);
+          const int half = (x + y) % 2;
+          if (half == 1) value += picture.rgb(x, y);
+          halves[half] += light.rgb(x, y);
         }
-      const auto add = [&](double of, double shown) {
-        const double pixels = double(side) * side;
-        if (of > 0 && shown > 0 && std::isfinite(of) && std::isfinite(shown))
-          out.push_back({std::log(of / pixels), std::log(shown / pixels)});
-      };
-      if (domain == CurveDomain::LUMINANCE) add(double(luminance(mean)), double(luminance(value)));
-      if (domain == CurveDomain::CHANNELS)
-        for (int c = 0; c < 3; ++c) add(double(mean[c]), double(value[c]));
+      if (!isFinite(value) || !isFinite(halves[0] + halves[1])) continue;
+      if (domain == CurveDomain::LUMINANCE)
+        out.push_back({double(luminance(halves[0])), double(luminance(halves[1])), double(luminance(value))});
+      else
+        for (int c = 0; c < 3; ++c)
+          out.push_back({double(halves[0][c]), double(halves[1][c]), double(value[c])});
     }
+  const double pixels = side * side / 2;
+  for (Pair& pair : out) pair = {pair.key, pair.light / pixels, pair.value / pixels};
+  std::sort(out.begin(), out.end(), [](const Pair& a, const Pair& b) { return a.key < b.key; });
   return out;
 }
 
-template <class Key> std::vector<size_t> sortedBy(size_t count, const Key& key) {
-  std::vector<size_t> order(count);
-  std::iota(order.begin(), order.end(), size_t(0));
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return key(a) < key(b); });
-  return order;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/** Linear interpolation of `y` by `x` between knots; the last segment continues, and the first has slope 1.
+/** Monotone cubic interpolation of `y` by `x` between knots (Fritsch and Butland 1984); straight beyond them.
  */
 template <class Knot>
 double interpolated(const std::vector<Knot>& knots, double Knot::*x, double Knot::*y, double at) {
-  if (at <= knots.front().*x) return knots.front().*y + at - knots.front().*x;
-  size_t next = 1;
-  while (next + 1 < knots.size() && knots[next].*x < at) ++next;
-  const Knot &a = knots[next - 1], &b = knots[next];
-  return a.*y + (b.*y - a.*y) * (at - a.*x) / (b.*x - a.*x);
+  const auto secant = [&](size_t k) {
+    return (knots[k + 1].*y - knots[k].*y) / (knots[k + 1].*x - knots[k].*x);
+  };
+  const auto slope = [&](size_t k) {
+    if (k == 0) return secant(0);
+    if (k + 1 == knots.size()) return secant(k - 1);
+    return 2 / (1 / secant(k - 1) + 1 / secant(k));
+  };
+  const size_t last = knots.size() - 1;
+  if (at <= knots[0].*x) return knots[0].*y + slope(0) * (at - knots[0].*x);
+  if (at >= knots[last].*x) return knots[last].*y + slope(last) * (at - knots[last].*x);
+  size_t k = 0;
+  while (knots[k + 1].*x < at) ++k;
+  const double width = knots[k + 1].*x - knots[k].*x, t = (at - knots[k].*x) / width, u = 1 - t;
+  return knots[k].*y * u * u * (1 + 2 * t) + knots[k + 1].*y * t * t * (1 + 2 * u) +
+         width * t * u * (slope(k) * u - slope(k + 1) * t);
 }
 
 } // namespace
@@ -73,24 +74,18 @@ double interpolated(const std::vector<Knot>& knots, double Knot::*x, double Knot
 FittedCurve::FittedCurve(const Image& picture, const Image& light, CurveDomain domain, int side)
     : domain(domain) {
   const std::vector<Pair> pairs = pairsOf(picture, light, domain, side);
-  std::vector<size_t> rank(pairs.size());
-  for (double Pair::*coordinate : {&Pair::light, &Pair::value}) {
-    const auto order = sortedBy(pairs.size(), [&](size_t i) { return pairs[i].*coordinate; });
-    for (size_t i = 0; i < order.size(); ++i) rank[order[i]] += i;
-  }
-  const std::vector<size_t> order = sortedBy(pairs.size(), [&](size_t i) { return rank[i]; });
   size_t start = 0;
   for (size_t k = 1; k <= KNOTS; ++k) {
     const double part = (1 - std::cos(std::numbers::pi * double(k) / KNOTS)) / 2;
-    const size_t end = static_cast<size_t>(std::lround(part * double(order.size())));
-    std::vector<double> lights, values;
-    for (size_t i = start; i < end; ++i) {
-      lights.push_back(pairs[order[i]].light);
-      values.push_back(pairs[order[i]].value);
+    const size_t end = static_cast<size_t>(std::lround(part * double(pairs.size())));
+    const double count = double(end - start);
+    double lights = 0, values = 0;
+    for (; start < end; ++start) {
+      lights += pairs[start].light;
+      values += pairs[start].value;
     }
-    start = end;
-    if (lights.empty()) continue;
-    Knot knot{median(lights), median(values)};
+    if (!(lights > 0 && values > 0)) continue;
+    Knot knot{std::log(lights / count), std::log(values / count)};
     if (!knots.empty()) {
       if (knot.light <= knots.back().light) continue;
       knot.value = std::max(knot.value, knots.back().value + LEAST_SLOPE * (knot.light - knots.back().light));

@@ -15,10 +15,11 @@ enum class CurveDomain {
   LUMINANCE ///< the luminance, while hue and saturation are kept
 };
 
-/** Monotone curve from light to the values of a picture: linear between knots in logarithms of both. */
+/** Monotone curve from light to the values of a picture: a monotone cubic between knots in logarithms of
+ * both. */
 class FittedCurve {
  public:
-  static constexpr size_t KNOTS = 8;
+  static constexpr size_t KNOTS = 6;
 
   /** Fits the curve to means over squares of pixels; NaN is left out. */
   FittedCurve(const Image& picture, const Image& light, CurveDomain domain, int side);

@@ -265,6 +265,14 @@ void findConfusion(Marking& marking, const StateFindings& whole) {
   if (confusion.classes.size() > 1 && any > KNOWN) marking.confusions.push_back(confusion);
 }
 
+/** Findings after a tone curve: it could hide wrong classes, all of which are taken to be right. */
+StateFindings unjudged(size_t layers) {
+  StateFindings out;
+  out.classes.resize(layers);
+  out.best.assign(layers, ClassState::UNKNOWN);
+  return out;
+}
+
 ReadMarks markAs(const Exercise& exercise, const Reading& reading) {
   const Stills& reference = exercise.reference;
   const size_t layers = exercise.layers;
@@ -288,15 +296,21 @@ ReadMarks markAs(const Exercise& exercise, const Reading& reading) {
   }
   if (sums.cells == 0)
     throw Error("no part of the picture can be marked: all pixels are clipped at white or not finite");
+  const std::vector<double> ones(layers, 1);
   const StateFindings whole =
-      findShown(sums, std::vector<double>(layers, 1), std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
+      reading.curve ? unjudged(layers)
+                    : findShown(sums, ones, std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
   marking.exposure = whole.exposure;
   marking.exposureError = whole.exposureError;
   marking.exposureCertainty = whole.exposureCertainty;
   double area = 0, unexplained = 0;
   for (const Region& region : regions) {
     marking.regions.push_back(markRegion(region, cells, whole, side, exercise.picture));
-    const MarkedRegion& marked = marking.regions.back();
+    MarkedRegion& marked = marking.regions.back();
+    if (reading.curve) {
+      marked.classes = whole.classes;
+      marked.unexplained = cells.misfit(region.range, ones).unexplained;
+    }
     area += areaOf(marked);
     if (marked.unexplained > MARKED_RESIDUAL) unexplained += areaOf(marked);
   }
@@ -317,16 +331,29 @@ bool isSameChange(PictureChange a, PictureChange b) {
   return a == b;
 }
 
-/** Leaves the classes of a picture with a tone curve unjudged. */
-void forgetClasses(Marking& marking) {
-  marking.exposureError = 0;
-  marking.confusions.clear();
-  for (ClassMark& mark : marking.classes) {
-    mark.state = ClassState::UNKNOWN;
-    mark.certainty = mark.visibleFraction = mark.stateFraction = 0;
+/** Marks whose certainties are averages over all readings. A state that is not probable then is unknown. */
+Marking averaged(Marking marking, const std::vector<ReadMarks>& all,
+                 const std::vector<double>& probabilities) {
+  marking.changeCertainty = 0;
+  double exposureCertainty = 0;
+  std::vector<double> certainties(marking.classes.size());
+  for (size_t k = 0; k < all.size(); ++k) {
+    const Marking& other = all[k].marking;
+    if (isSameChange(other.change, marking.change)) marking.changeCertainty += probabilities[k];
+    if (other.change.encoding == ValueEncoding::TONE_CURVE) continue; // judges nothing
+    if ((other.exposureError > 0) == (marking.exposureError > 0))
+      exposureCertainty += probabilities[k] * other.exposureCertainty;
+    for (size_t i = 0; i < certainties.size(); ++i)
+      if (other.classes[i].state == marking.classes[i].state)
+        certainties[i] += probabilities[k] * other.classes[i].certainty;
   }
-  for (MarkedRegion& region : marking.regions)
-    for (ClassFinding& finding : region.classes) finding.state = ClassState::UNKNOWN;
+  marking.exposureCertainty = exposureCertainty;
+  for (size_t i = 0; i < certainties.size(); ++i) {
+    ClassMark& mark = marking.classes[i];
+    mark.certainty = certainties[i];
+    if (mark.state != ClassState::RIGHT && mark.certainty < KNOWN) mark.state = ClassState::UNKNOWN;
+  }
+  return marking;
 }
 
 } // namespace
@@ -353,16 +380,13 @@ Marking markExercise(const Image& picture, const Stills& reference) {
   for (const Reading& reading : curveReadings(exercise, best().marking.change))
     all.push_back(markAs(exercise, reading));
   const ReadMarks& chosen = best();
-  double sum = 0, same = 0;
-  for (const ReadMarks& marks : all) {
-    const double probability = std::exp((chosen.score - marks.score) / 2);
-    sum += probability;
-    if (isSameChange(marks.marking.change, chosen.marking.change)) same += probability;
-  }
-  Marking marking = chosen.marking;
-  marking.changeCertainty = same / sum;
+  double sum = 0;
+  for (const ReadMarks& marks : all) sum += std::exp((chosen.score - marks.score) / 2);
+  std::vector<double> probabilities;
+  for (const ReadMarks& marks : all)
+    probabilities.push_back(std::exp((chosen.score - marks.score) / 2) / sum);
+  Marking marking = averaged(chosen.marking, all, probabilities);
   marking.clippedFraction = exercise.clippedFraction();
-  if (marking.change.encoding == ValueEncoding::TONE_CURVE) forgetClasses(marking);
   return marking;
 }
 

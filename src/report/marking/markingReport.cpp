@@ -96,8 +96,12 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
         "before writing PNG or JPEG, or write EXR.");
   if (change.encoding == ValueEncoding::TONE_CURVE)
     add("The values are not in proportion to light: a tone curve or an unknown encoding was applied",
-        "Classes of light cannot be judged after it. Write linear values: an EXR file, or a PNG file "
-        "with '--tonemap none --exposure 0' if nothing but lamps is above white.");
+        "Classes of light cannot be judged after it. Write linear values: an EXR file, or a PNG file with "
+        "'--tonemap none --exposure 0' if nothing but lamps is above white." +
+            (marking.isUnexplained()
+                 ? " No curve explains " + percentText(marking.unexplainedFraction) +
+                       " of the picture: the tone operator was a local one, or there are other mistakes."
+                 : ""));
   if (change.isFlippedHorizontally && change.isFlippedVertically)
     add("The picture is rotated by 180 degrees",
         "Check the signs of x and y of camera rays, and the order of pixels in the file.");
@@ -206,9 +210,13 @@ std::vector<std::string> remarks(const Marking& marking) {
   for (const ClassMark& mark : marking.classes)
     if (mark.state == ClassState::UNKNOWN && mark.share > 0)
       unknown += (unknown.empty() ? "" : ", ") + mark.name;
-  if (!unknown.empty())
+  if (!unknown.empty() && marking.change.encoding != ValueEncoding::TONE_CURVE)
     out.push_back("Not judged: " + unknown +
                   ". They are too dark or too noisy in this picture, or too similar to other classes.");
+  constexpr double SURE = 0.9;
+  if (marking.changeCertainty < SURE)
+    out.push_back("It is not known how the values were made from light: this reading of them is " +
+                  percentText(marking.changeCertainty) + " probable. Give an EXR file with linear values.");
   if (marking.clippedFraction > 0)
     out.push_back(percentText(marking.clippedFraction) +
                   " of the pixels are clipped at white (8 bits): lamps, caustics and noise there cannot be "
@@ -235,7 +243,7 @@ std::vector<MarkingStatement> markingStatements(const Marking& marking) {
                    [&](size_t a, size_t b) { return marking.classes[a].share > marking.classes[b].share; });
   for (size_t i : wrong) out.push_back(statementOf(marking.classes[i], static_cast<int>(i)));
   for (const ClassConfusion& confusion : marking.confusions) out.push_back(statementOf(confusion, marking));
-  if (marking.isUnexplained())
+  if (marking.isUnexplained() && marking.change.encoding != ValueEncoding::TONE_CURVE)
     out.push_back({"In " + percentText(marking.unexplainedFraction) +
                        " of the picture the difference is not explained by any class of light",
                    "Geometry, a material, a texture or the camera differs from the reference there."});

@@ -16,6 +16,9 @@ namespace {
 
 /** Prior probability of each kind of mistake: one exercise in twenty. */
 constexpr double WRONG_PRIOR = 1 / 20.0;
+/** Prior probability of a tone curve: programs apply one by default when they write a file for a display. */
+constexpr double TONE_CURVE_PRIOR = 1 / 20.0, DISPLAYED_TONE_CURVE_PRIOR = 0.5;
+
 /** Factor of a class in a region, by which the marks explain the picture. A scaled class has one factor, or a
  * curve of values would be explained by another factor in each region. */
 double explainingFactor(const ClassFinding& local, const ClassFinding& whole) {
@@ -86,13 +89,21 @@ double scoreOf(const Exercise& exercise, const Reading& reading, const ReadMarks
   Cells cells(values, layers, exercise.side);
   cells.weigh({1});
   const Marking& marking = marks.marking;
-  double mistakes = (marking.exposureError > 0) + double(marking.confusions.size());
+  double mistakes = double(marking.confusions.size()), free = reading.curve ? double(FittedCurve::KNOTS) : 0;
+  const auto addScaled = [&] { ++mistakes, ++free; };
+  if (marking.exposureError > 0) addScaled();
   for (const ClassMark& mark : marking.classes)
-    mistakes += mark.state != ClassState::RIGHT && mark.state != ClassState::UNKNOWN;
-  // Bayesian information criterion (Schwarz 1978) of the knots.
-  const double knots = reading.curve ? double(FittedCurve::KNOTS) * std::log(PATCHES) : 0;
-  return PATCHES * cells.surprise({1}) + priorScore(reading.alignment.change, picture.width, picture.height) +
-         knots - 2 * std::log(WRONG_PRIOR) * mistakes;
+    if (mark.state == ClassState::SCALED)
+      addScaled();
+    else
+      mistakes += mark.state == ClassState::MISSING || mark.state == ClassState::DOUBLED;
+  const double curvePrior = exercise.isDisplayFormat ? DISPLAYED_TONE_CURVE_PRIOR : TONE_CURVE_PRIOR;
+  const PictureChange& change = reading.curve ? alignment : reading.alignment.change;
+  const double prior = priorScore(change, picture.width, picture.height) -
+                       2 * std::log(reading.curve ? curvePrior : 1 - curvePrior) -
+                       2 * std::log(WRONG_PRIOR) * mistakes;
+  // Bayesian information criterion (Schwarz 1978) of the factors and knots that are free.
+  return PATCHES * cells.surprise({1}) + std::log(PATCHES) * free + prior;
 }
 
 } // namespace recurse
