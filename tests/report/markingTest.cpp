@@ -197,6 +197,22 @@ TEST(Marking, ExamplePathIsAtSurfacesIfThereIsOne) {
   EXPECT_NE(adviceOn("LVE").find("lamp, medium, eye"), std::string::npos);
 }
 
+TEST(Marking, MaximumDepthIsNamedIfAClassHasLongerPaths) {
+  const auto adviceOn = [](const std::string& expression, double factor) {
+    ClassMark mark;
+    mark.name = "class";
+    mark.expression = expression;
+    mark.state = ClassState::SCALED;
+    mark.factor = factor;
+    Marking marking;
+    marking.classes = {mark};
+    return markingStatements(marking).at(0).advice;
+  };
+  EXPECT_NE(adviceOn("LD+S+E", 0.6).find("maximum depth"), std::string::npos);
+  EXPECT_EQ(adviceOn("LD+S+E", 1.6).find("maximum depth"), std::string::npos);
+  EXPECT_EQ(adviceOn("L(S|D)DE", 0.6).find("maximum depth"), std::string::npos);
+}
+
 TEST(Marking, ThirtyRightPicturesAreRight) {
   unsigned seed = 100;
   for (const Exercise& exercise : exercises()) {

@@ -31,18 +31,21 @@ std::string nameOf(const ClassMark& mark) {
   return mark.expression == mark.name ? mark.name : mark.expression + " (" + mark.name + ")";
 }
 
-/** One of the shortest paths of a class in words, without media if there is one; empty where its expression
- * is unknown. */
-std::string exampleOf(const ClassMark& mark) {
+/** One of the shortest paths of a class, without media if there is one; empty where its expression is
+ * unknown. */
+std::string shortestPath(const ClassMark& mark) {
   if (mark.expression.empty()) return {};
-  std::string word;
   try {
     const PathAutomaton all = PathAutomaton::compile(mark.expression);
     const PathAutomaton atSurfaces = all.intersect(PathAutomaton::compile("L(S|D)*E"));
-    word = (atSurfaces.isEmpty() ? all : atSurfaces).shortestWord();
+    return (atSurfaces.isEmpty() ? all : atSurfaces).shortestWord();
   } catch (const Error&) { // expression of a foreign program
     return {};
   }
+}
+
+/** A path in words. */
+std::string pathText(const std::string& word) {
   std::string out;
   for (char letter : word) {
     const char* vertex = letter == 'L'   ? "lamp"
@@ -53,6 +56,13 @@ std::string exampleOf(const ClassMark& mark) {
     out += (out.empty() ? "" : ", ") + std::string(vertex);
   }
   return out;
+}
+
+/** Whether a class has longer paths than this one. */
+bool hasLongerPaths(const ClassMark& mark, const std::string& shortest) {
+  if (shortest.size() < 2) return false;
+  const std::string longer = "L(S|D|V){" + std::to_string(shortest.size() - 1) + ",}E";
+  return !PathAutomaton::compile(mark.expression).intersect(PathAutomaton::compile(longer)).isEmpty();
 }
 
 /** Hint at a well-known mistake that gives this factor; empty where there is none. */
@@ -124,8 +134,8 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
 }
 
 MarkingStatement statementOf(const ClassMark& mark, int number) {
-  const std::string example = exampleOf(mark);
-  const std::string paths = example.empty() ? "" : " Its paths: " + example + ".";
+  const std::string shortest = shortestPath(mark);
+  const std::string paths = shortest.empty() ? "" : " Its paths: " + pathText(shortest) + ".";
   MarkingStatement out{"", "", mark.certainty, number};
   switch (mark.state) {
   case ClassState::MISSING:
@@ -147,6 +157,8 @@ MarkingStatement statementOf(const ClassMark& mark, int number) {
     out.advice = "A factor is wrong where this light is computed." + paths +
                  " Check BSDF, cosine and density at its vertices." +
                  wellKnownFactor(mark.factor, mark.standardError);
+    if (mark.factor < 1 && hasLongerPaths(mark, shortest))
+      out.advice += " Or its longer paths are missing: check the maximum depth.";
   }
   return out;
 }
