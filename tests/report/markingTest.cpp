@@ -9,7 +9,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <random>
 
 #include <nlohmann/json.hpp>
 
@@ -17,22 +16,14 @@
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/marking/marking.h"
 #include "report/marking/alignment.h"
+#include "report/markingPictures.h"
 #include "report/markingScenes.h"
 #include "report/noise.h"
-#include "sceneRendering.h"
 
 using namespace recurse;
+using namespace markingPictures;
 
 namespace {
-
-Stills renderedStills(const std::string& text, int samples, uint64_t seed) {
-  const StillsPlan plan = planStills(defaultStillClasses());
-  const auto scene = recurse::testing::sceneFrom(text);
-  const auto integrator = recurse::testing::integratorFrom("path", "");
-  return makeStills(
-      recurse::testing::renderScene(*scene, *integrator, PathClasses(plan.classes), samples, seed).film, plan,
-      1);
-}
 
 /** Reference of a scene, and its classes as a student would render them, with fewer samples and a different
  * seed. */
@@ -65,18 +56,6 @@ struct Mistake {
   double exposure = 1;
 };
 
-/** Sum of the layers, each with a factor that may depend on the pixel. */
-template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& factor) {
-  Image out(stills.image.width, stills.image.height, {"R", "G", "B"});
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x)
-      for (size_t i = 1; i < stills.layers.size(); ++i)
-        for (size_t c = 0; c < 3; ++c)
-          out.at(x, y)[c] +=
-              static_cast<float>(factor(stills.layers[i].name, x, y)) * stills.image.at(x, y)[3 * i + c];
-  return out;
-}
-
 /** Picture after the change; new pixels at the border repeat the border. */
 Image changed(const Image& image, const PictureChange& change) {
   Image out = image;
@@ -89,23 +68,6 @@ Image changed(const Image& image, const PictureChange& change) {
                change.isFlippedVertically ? out.height - 1 - y : y)[c] =
             encoded(image.at(fx, fy)[c], change.encoding);
     }
-  return out;
-}
-
-/** Noise in proportion to the light, as with fewer samples. */
-Image grained(const Image& image, double deviation, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal(0, deviation);
-  Image out = image;
-  for (float& value : out.pixels) value *= static_cast<float>(std::max(0.0, 1 + normal(generator)));
-  return out;
-}
-
-/** Picture after rounding to 8 bits. */
-Image inEightBits(const Image& image) {
-  Image out = image;
-  for (float& value : out.pixels)
-    value = linearFromSrgb(std::round(255 * srgbFromLinear(std::clamp(value, 0.0f, 1.0f))) / 255);
   return out;
 }
 
@@ -193,37 +155,6 @@ std::map<std::string, std::vector<Mistake>> mistakes() {
             {{}, {}, 1.3}}}};
 }
 
-/** Stills of uniform layers with noise, without rendering. */
-Stills syntheticStills(const std::vector<Image>& layers, const std::vector<std::string>& names) {
-  std::vector<std::string> channels = {"R", "G", "B"};
-  std::string classes;
-  for (const std::string& name : names) {
-    for (const char* c : {".R", ".G", ".B"}) channels.push_back(name + c);
-    classes += (classes.empty() ? "" : "; ") + name + " = " + name;
-  }
-  Image image(layers[0].width, layers[0].height, channels);
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (size_t i = 0; i < layers.size(); ++i)
-        for (size_t c = 0; c < 3; ++c) {
-          image.at(x, y)[3 * (i + 1) + c] = layers[i].at(x, y)[c];
-          image.at(x, y)[c] += layers[i].at(x, y)[c];
-        }
-  image.metadata["recurse:classes"] = classes;
-  return stillsOf(image, "synthetic");
-}
-
-/** Slowly varying light: waves of a length in pixels. */
-Image waves(double level, double length, double phase) {
-  Image image(64, 48, {"R", "G", "B"});
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      for (size_t c = 0; c < 3; ++c)
-        image.at(x, y)[c] = static_cast<float>(
-            level * (1 + 0.8 * std::sin((x + 0.4 * y) / length + phase + double(c)) * std::cos(y / length)));
-  return image;
-}
-
 std::string errorOf(const Image& picture, const Stills& reference) {
   try {
     markExercise(picture, reference);
@@ -264,6 +195,22 @@ TEST(Marking, ExamplePathIsAtSurfacesIfThereIsOne) {
   EXPECT_NE(adviceOn("all - (LS*E|LDE|LD+S+E)").find("lamp, mirror or glass, diffuse or glossy surface, eye"),
             std::string::npos);
   EXPECT_NE(adviceOn("LVE").find("lamp, medium, eye"), std::string::npos);
+}
+
+TEST(Marking, MaximumDepthIsNamedIfAClassHasLongerPaths) {
+  const auto adviceOn = [](const std::string& expression, double factor) {
+    ClassMark mark;
+    mark.name = "class";
+    mark.expression = expression;
+    mark.state = ClassState::SCALED;
+    mark.factor = factor;
+    Marking marking;
+    marking.classes = {mark};
+    return markingStatements(marking).at(0).advice;
+  };
+  EXPECT_NE(adviceOn("LD+S+E", 0.6).find("maximum depth"), std::string::npos);
+  EXPECT_EQ(adviceOn("LD+S+E", 1.6).find("maximum depth"), std::string::npos);
+  EXPECT_EQ(adviceOn("L(S|D)DE", 0.6).find("maximum depth"), std::string::npos);
 }
 
 TEST(Marking, ThirtyRightPicturesAreRight) {

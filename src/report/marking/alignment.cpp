@@ -21,9 +21,8 @@ constexpr int COARSE_CELLS = 24;
 constexpr int shiftReach(int cells) { return cells / 8; }
 /** Cells that finer levels compare: enough to show a shift, and more take longer. */
 constexpr double MOST_CELLS = 6000;
-/** Parts of a picture whose residuals of encodings and flips are independent of each other. */
-constexpr double PATCHES = 48;
-/** Combinations of encoding and flips that are followed to finer levels. */
+/** Combinations of encoding and flips that are followed to finer levels, besides the best of each encoding.
+ */
 constexpr size_t FOLLOWED = 3;
 /** Prior probability of a wrong encoding, of a flip and of a shift: one exercise in twenty. */
 constexpr double CHANGE_PRIOR = 1 / 20.0;
@@ -62,16 +61,14 @@ Level averaged(const Image& image, int side) {
 
 /** Picture with flips undone: original values in channels 0 to 2, decoded values in 3 to 5. */
 Image candidatePicture(const Image& picture, const PictureChange& change) {
-  const float limit = clippingValue(picture);
   Image out(picture.width, picture.height, {"R", "G", "B", "decoded.R", "decoded.G", "decoded.B"});
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
       const Rgb value = picture.rgb(change.isFlippedHorizontally ? picture.width - 1 - x : x,
                                     change.isFlippedVertically ? picture.height - 1 - y : y);
       for (int c = 0; c < 3; ++c) {
-        const bool usable = std::isfinite(value[c]) && value[c] < limit;
-        out.at(x, y)[c] = usable ? value[c] : NOTHING;
-        out.at(x, y)[3 + c] = usable ? decoded(value[c], change.encoding) : NOTHING;
+        out.at(x, y)[c] = value[c];
+        out.at(x, y)[3 + c] = decoded(value[c], change.encoding);
       }
     }
   return out;
@@ -185,6 +182,20 @@ class FitReference {
   std::vector<double> matrix;
 };
 
+/** Side of a cell at the coarsest level [pixels]. */
+int coarseSide(int width, int height) {
+  int side = 1;
+  while (std::max(width, height) / (2 * side) >= COARSE_CELLS) side *= 2;
+  return side;
+}
+
+/** −2 ln of the prior probability of a shift. */
+double shiftPrior(const PictureChange& change, int width, int height) {
+  const int reach = shiftReach(std::min(width, height) / coarseSide(width, height));
+  const double shifts = std::pow(2.0 * reach + 1, 2);
+  return -2 * std::log(change.isShifted() ? CHANGE_PRIOR / shifts : 1 - CHANGE_PRIOR);
+}
+
 /** An encoding and flips, at the best shift. */
 struct Candidate {
   PictureChange change; ///< shifts in cells of the level
@@ -195,10 +206,8 @@ struct Candidate {
 
 class Search {
  public:
-  Search(const Image& picture, const Image& reference) : picture(picture), reference(reference) {
-    while (std::max(picture.width, picture.height) / (2 * side) >= COARSE_CELLS) side *= 2;
-    coarseSide = side;
-  }
+  Search(const Image& picture, const Image& reference)
+      : picture(picture), reference(reference), side(coarseSide(picture.width, picture.height)) {}
 
   /** Evaluates all candidates at the coarse level, the best of them at finer levels; the best first. */
   std::vector<Candidate> run() {
@@ -206,24 +215,34 @@ class Search {
     for (ValueEncoding encoding : FILE_ENCODINGS)
       for (int flips = 0; flips < 4; ++flips)
         all.push_back({{encoding, (flips & 1) != 0, (flips & 2) != 0}, {}});
-    findShifts(all, shiftReach(std::min(picture.width, picture.height) / side));
-    while (side > 1) {
+    const int farthest = shiftReach(std::min(picture.width, picture.height) / side);
+    findShifts(all, farthest, farthest);
+    all = followed(all);
+    for (int margin = farthest + 1; side > 1;) {
       side /= 2;
-      all.resize(std::min(all.size(), FOLLOWED));
+      margin *= 2;
       for (Candidate& c : all) {
         c.change.shiftX *= 2;
         c.change.shiftY *= 2;
       }
-      findShifts(all, 1);
+      findShifts(all, 1, margin);
     }
     return all;
   }
 
  private:
+  /** The best candidates, and the best of each encoding. */
+  static std::vector<Candidate> followed(const std::vector<Candidate>& sorted) {
+    std::vector<Candidate> out;
+    for (const Candidate& candidate : sorted) {
+      const auto isSame = [&](const Candidate& c) { return c.change.encoding == candidate.change.encoding; };
+      if (out.size() < FOLLOWED || std::none_of(out.begin(), out.end(), isSame)) out.push_back(candidate);
+    }
+    return out;
+  }
+
   /** Tries all shifts up to `reach` cells away from the shifts of the candidates. */
-  void findShifts(std::vector<Candidate>& all, int reach) const {
-    const int farthest = shiftReach(std::min(picture.width, picture.height) / coarseSide);
-    const int margin = side == coarseSide ? farthest : (farthest + 1) * (coarseSide / side);
+  void findShifts(std::vector<Candidate>& all, int reach, int margin) const {
     const FitReference fitReference(averaged(reference, side), margin);
     for (Candidate& candidate : all) {
       const Level level = averaged(candidatePicture(picture, candidate.change), side);
@@ -236,44 +255,22 @@ class Search {
           change.shiftX += dx;
           change.shiftY += dy;
           const Fit fit = fitReference.fit(level, light, change);
+          const double prior = shiftPrior(change, picture.width, picture.height);
           // Edges, which show shifts, are at different positions in each cell.
-          const double score = COARSE_CELLS * COARSE_CELLS * fit.score + shiftPrior(change);
+          const double score = COARSE_CELLS * COARSE_CELLS * fit.score + prior;
           if (score < candidate.shiftScore)
-            candidate = {change, fit, score, PATCHES * fit.score + shiftPrior(change) + prior(change)};
+            candidate = {change, fit, score,
+                         PATCHES * fit.score + priorScore(change, picture.width, picture.height)};
         }
     }
     std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
   }
 
-  /** −2 ln of the prior probabilities. */
-  double shiftPrior(const PictureChange& change) const {
-    const double shifts = std::pow(2.0 * shiftReach(std::min(picture.width, picture.height)) + 1, 2);
-    return -2 * std::log(change.isShifted() ? CHANGE_PRIOR / shifts : 1 - CHANGE_PRIOR);
-  }
-  static double prior(const PictureChange& change) {
-    const double others = double(std::size(FILE_ENCODINGS)) - 1;
-    const double encoding =
-        change.encoding == ValueEncoding::LINEAR ? 1 - CHANGE_PRIOR : CHANGE_PRIOR / others;
-    return -2 * std::log(encoding * (change.isFlipped() ? CHANGE_PRIOR / 3 : 1 - CHANGE_PRIOR));
-  }
-
   const Image &picture, &reference;
-  int side = 1, coarseSide = 1; ///< sides of a cell [pixels], now and at the coarsest level
+  int side; ///< side of a cell at the present level [pixels]
 };
 
 } // namespace
-
-float clippingValue(const Image& picture) {
-  constexpr float LAST_STEP = 1 / 512.0f; // half a step of eight bits
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const Rgb value = picture.rgb(x, y);
-      for (int c = 0; c < 3; ++c)
-        if (std::isfinite(value[c]) && value[c] > 1 + LAST_STEP)
-          return std::numeric_limits<float>::infinity();
-    }
-  return 1 - LAST_STEP;
-}
 
 float decoded(float value, ValueEncoding encoding) {
   const float size = std::abs(value);
@@ -286,6 +283,8 @@ float decoded(float value, ValueEncoding encoding) {
     return std::copysign(std::pow(size, 2.2f), value);
   case ValueEncoding::DECODED:
     return std::copysign(srgbFromLinear(size), value);
+  case ValueEncoding::TONE_CURVE: // a FittedCurve
+    break;
   }
   return value;
 }
@@ -301,6 +300,8 @@ float encoded(float linear, ValueEncoding encoding) {
     return std::copysign(std::pow(size, 1 / 2.2f), linear);
   case ValueEncoding::DECODED:
     return std::copysign(linearFromSrgb(size), linear);
+  case ValueEncoding::TONE_CURVE: // a FittedCurve
+    break;
   }
   return linear;
 }
@@ -341,28 +342,24 @@ Image undone(const Image& picture, const PictureChange& change) {
   return out;
 }
 
-Alignment findAlignment(const Image& picture, const Stills& reference) {
-  const std::vector<Candidate> found = Search(picture, reference.image).run();
-  const Candidate& best = found.front();
-  const auto isCurve = [](ValueEncoding e) {
-    return e == ValueEncoding::SRGB || e == ValueEncoding::GAMMA_22;
-  };
-  double sum = 0, same = 0;
-  for (const Candidate& c : found) {
-    const double probability = std::exp((best.score - c.score) / 2);
-    sum += probability;
-    // Both display curves are nearly the same, and count as one mistake.
-    PictureChange change = c.change;
-    if (isCurve(change.encoding) && isCurve(best.change.encoding)) change.encoding = best.change.encoding;
-    if (change == best.change) same += probability;
-  }
-  return {best.change, same / sum, best.fit.factors};
+double priorScore(const PictureChange& change, int width, int height) {
+  constexpr double WRONG_ENCODINGS = double(std::size(FILE_ENCODINGS)), WRONG_FLIPS = 3;
+  const double encoding =
+      change.encoding == ValueEncoding::LINEAR ? 1 - CHANGE_PRIOR : CHANGE_PRIOR / WRONG_ENCODINGS;
+  const double flips = change.isFlipped() ? CHANGE_PRIOR / WRONG_FLIPS : 1 - CHANGE_PRIOR;
+  return -2 * std::log(encoding * flips) + shiftPrior(change, width, height);
 }
 
-Alignment unchanged(const Image& picture, const Stills& reference) {
-  const Image plain = candidatePicture(picture, {});
-  const Level level = averaged(plain, 1);
-  return {{}, 0, FitReference(averaged(reference.image, 1), 0).fit(level, meanLight(level), {}).factors};
+std::vector<double> fittedFactors(const Image& picture, const Stills& reference) {
+  const Level level = averaged(candidatePicture(picture, {}), 1);
+  return FitReference(averaged(reference.image, 1), 0).fit(level, meanLight(level), {}).factors;
+}
+
+std::vector<Alignment> findAlignments(const Image& picture, const Stills& reference) {
+  std::vector<Alignment> out = {{{}, fittedFactors(picture, reference)}};
+  for (const Candidate& candidate : Search(picture, reference.image).run())
+    if (candidate.change != PictureChange()) out.push_back({candidate.change, candidate.fit.factors});
+  return out;
 }
 
 } // namespace recurse

@@ -9,21 +9,24 @@ namespace recurse {
 
 struct Alignment {
   PictureChange change;
-  double certainty = 0;        ///< probability of the change among all candidates
   std::vector<double> factors; ///< factors of the classes by least squares over the picture, none negative
 };
 
-/** Finds the change under which the sum of the classes, each with a factor, fits the picture best. */
-Alignment findAlignment(const Image& picture, const Stills& reference);
+/** Changes that may have been made, the most probable of each encoding among them. The sum of the classes,
+ * each with a factor, is fitted to the picture. The first has no change. */
+std::vector<Alignment> findAlignments(const Image& picture, const Stills& reference);
 
-/** Alignment without a change, with the factors that fit best. */
-Alignment unchanged(const Image& picture, const Stills& reference);
+/** Factors of the classes that fit a linear picture, aligned with the reference. */
+std::vector<double> fittedFactors(const Image& picture, const Stills& reference);
+
+/** −2 ln of the prior probability of a change of a picture of this size. */
+double priorScore(const PictureChange& change, int width, int height);
+
+/** Parts of a picture whose differences from a reference are independent of each other. */
+constexpr double PATCHES = 48;
 
 /** Picture with the change undone: R, G, B; NaN where it has no pixel. */
 Image undone(const Image& picture, const PictureChange& change);
-
-/** Value at which a picture of a format for displays is clipped; infinite for any other. */
-float clippingValue(const Image& picture);
 
 /** Decodes a value that should be linear. */
 float decoded(float value, ValueEncoding encoding);

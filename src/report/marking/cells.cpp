@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace recurse {
 
@@ -17,6 +18,10 @@ constexpr double PIXEL_TOLERANCE = 0.25;
 /** Light below which errors are not visible, as a fraction of the mean. */
 constexpr double UNSEEN_PART = 0.1;
 
+/** Prior probability that a cell shows something that no factors explain, and the range of its values [ln].
+ */
+constexpr double UNEXPLAINED_PRIOR = 0.05, UNEXPLAINED_RANGE = 5;
+
 constexpr double square(double x) { return x * x; }
 
 } // namespace
@@ -28,6 +33,7 @@ ClassSums& ClassSums::operator+=(const ClassSums& other) {
   add(matrix, other.matrix);
   add(vector, other.vector);
   add(covariance, other.covariance);
+  add(lost, other.lost);
   add(ordinaryMatrix, other.ordinaryMatrix);
   add(ordinaryVector, other.ordinaryVector);
   cells += other.cells;
@@ -40,12 +46,17 @@ Cells::Cells(const Image& picture, const Image& reference, int side)
   const size_t count = size_t(columns) * size_t(rows);
   means.resize(count * 2 * stride);
   usable.assign(count, 1);
+  lost.assign(count * 3, 0);
   weights.assign(count * 3, 0);
   variances.assign(count * 3, 0);
   std::vector<double> sum(stride);
   for (size_t cell = 0; cell < count; ++cell) {
     const int left = static_cast<int>(cell % size_t(columns)) * side,
               top = static_cast<int>(cell / size_t(columns)) * side;
+    if (picture.channels.size() > 3)
+      for (int y = top; y < top + side; ++y)
+        for (int x = left; x < left + side; ++x)
+          for (size_t c = 0; c < 3; ++c) lost[cell * 3 + c] += double(picture.at(x, y)[3 + c]) / square(side);
     for (int half = 0; half < 2; ++half) {
       std::fill(sum.begin(), sum.end(), 0);
       for (int y = top; y < top + side; ++y)
@@ -162,7 +173,7 @@ void Cells::weigh(const std::vector<double>& factors) {
         // The own noise of a cell counts in full where it has bright pixels. A smaller one is known too
         // poorly.
         variances[i] = std::max(noise[i], noiseNear[i]) + square(PIXEL_TOLERANCE) * slope +
-                       square(CELL_TOLERANCE) * (square(prediction[i]) + square(dark));
+                       square(CELL_TOLERANCE) * (square(prediction[i]) + square(dark)) + square(lost[i]);
       }
     }
 }
@@ -183,6 +194,7 @@ ClassSums Cells::sums(const CellRange& range) const {
         for (size_t i = 0; i < layers; ++i) {
           const double ai = double(a[3 * i + c]), bi = double(b[3 * i + c]);
           out.vector[i] += half * (ai * xb + bi * xa);
+          out.lost[i] += half * (ai + bi) * lost[cell * 3 + c];
           out.ordinaryVector[i] += half / 2 * (ai + bi) * (xa + xb);
           for (size_t j = 0; j <= i; ++j) {
             const double aj = double(a[3 * j + c]), bj = double(b[3 * j + c]);
@@ -228,6 +240,24 @@ Misfit Cells::misfit(const CellRange& range, const std::vector<double>& factors)
   constexpr double DEVIATIONS = 3;
   if (light > 0 && residual > DEVIATIONS * std::sqrt(squares)) out.unexplained = std::sqrt(residual / light);
   return out;
+}
+
+double Cells::surprise(const std::vector<double>& factors) const {
+  double sum = 0, count = 0;
+  for (size_t cell = 0; cell < usable.size(); ++cell) {
+    if (!usable[cell]) continue;
+    for (size_t c = 0; c < 3; ++c) {
+      const double x = (double(pictureAt(cell, 0)[c]) + double(pictureAt(cell, 1)[c])) / 2;
+      const double difference = x - (predicted(cell, 0, c, factors) + predicted(cell, 1, c, factors)) / 2;
+      // Densities in units of the tolerance. Noise of the reference does not make a density smaller, or
+      // factors that are too small would explain more.
+      const double explained = std::exp(-square(difference) / (2 * variances[cell * 3 + c]));
+      const double unexplained = CELL_TOLERANCE * std::sqrt(2 * std::numbers::pi) / UNEXPLAINED_RANGE;
+      sum -= 2 * std::log((1 - UNEXPLAINED_PRIOR) * explained + UNEXPLAINED_PRIOR * unexplained);
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
 }
 
 } // namespace recurse

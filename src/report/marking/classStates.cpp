@@ -1,9 +1,10 @@
 /** @file
  * Evidence of states. With the sums N and b of least squares, b is normally distributed about N f with
  * covariance C for factors f. Under a state, the factor is normally distributed about m with variance T:
- * narrow for right, missing and doubled, wide for scaled. Therefore b is normally distributed about N m with
- * covariance C + N T N, which penalises the wide distribution, and the factors are m + T N (C + N T N)⁻¹ (b -
- * N m). An exposure s is a factor of m and of the root of T.
+ * narrow for right, missing and doubled, wide for scaled. Therefore b is normally distributed about N m + h
+ * with covariance C + N T N, which penalises the wide distribution, and the factors are m + T N (C + N T N)⁻¹
+ * (b - N m - h). h is due to layers whose factors are given. An exposure s is a factor of m, of h and of the
+ * root of T.
  */
 #include "report/marking/classStates.h"
 
@@ -83,10 +84,10 @@ class Evidence {
       // Ordinary least squares of one factor: weights by the inverse covariance would prefer layers that have
       // little noise by chance.
       const std::vector<double> m = centres(states);
-      const double mNm = dot(m, product(problem.sums.matrix, m));
-      out.exposure = dot(m, problem.sums.vector) / mNm;
-      if (!(mNm > 0 && out.exposure > 0)) return {};
-      out.exposureError = std::sqrt(dot(m, product(covariance, m))) / mNm;
+      const double light = dot(m, expected(m));
+      out.exposure = dot(m, problem.sums.vector) / light;
+      if (!(light > 0 && out.exposure > 0)) return {};
+      out.exposureError = std::sqrt(dot(m, product(covariance, m))) / light;
       if (out.exposure < LEAST_DEVIATIONS * out.exposureError) return {}; // nothing but noise
       const double information = 1 / (out.exposureError * out.exposureError);
       // Laplace's approximation of the integral over a normal distribution of the exposure about 1.
@@ -148,9 +149,15 @@ class Evidence {
       for (size_t j = 0; j < x.size(); ++j) out[i] += matrix[i * x.size() + j] * x[j];
     return out;
   }
-  /** Residual b − s N m. */
+  /** N m + h. */
+  std::vector<double> expected(const std::vector<double>& m) const {
+    std::vector<double> out = product(problem.sums.matrix, m);
+    for (size_t i = 0; i < n; ++i) out[i] += problem.others[i];
+    return out;
+  }
+  /** Residual b − s (N m + h). */
   std::vector<double> residual(const States& states, double exposure) const {
-    std::vector<double> out = product(problem.sums.matrix, centres(states));
+    std::vector<double> out = expected(centres(states));
     for (size_t i = 0; i < n; ++i) out[i] = problem.sums.vector[i] - exposure * out[i];
     return out;
   }

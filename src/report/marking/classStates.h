@@ -18,6 +18,7 @@ constexpr StatePrior STATE_PRIOR = {0.95, 0.05 / 3, 0.05 / 3, 0.05 / 3};
 
 struct StateProblem {
   ClassSums sums;
+  std::vector<double> others;    ///< products of the layers with the light of all other layers
   std::vector<StatePrior> prior; ///< priors of each class
   double exposure = 1;           ///< factor of all classes
   bool findsExposure = false;    ///< a different exposure is tried as well

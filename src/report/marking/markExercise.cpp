@@ -5,21 +5,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "recurse/core/io/error.h"
-#include "report/marking/alignment.h"
 #include "report/marking/cells.h"
 #include "report/marking/classStates.h"
+#include "report/marking/exercise.h"
+#include "report/marking/reading.h"
 
 namespace recurse {
 
 namespace {
 
-/** Cells along a side of a region: 64 cells can separate ten classes, and localise mistakes well. */
-constexpr int REGION_CELLS = 8;
-/** Regions along the longer side of the picture, where it has enough pixels. */
-constexpr int REGIONS = 20;
 /** Change of chi square by a missing class, above which a region shows the class.
  */
 constexpr double VISIBLE = 16;
@@ -28,8 +24,6 @@ constexpr double KNOWN = 0.9, LEAST_ODDS = 20;
 /** Least fraction of the picture that must be wrong in the same way; less is an accident of noise or edges.
  */
 constexpr double LEAST_PART = 0.05;
-/** Prior probability of each kind of mistake: one exercise in twenty. */
-constexpr double WRONG_PRIOR = 1 / 20.0;
 /** Relative difference of the sum of all classes from the picture, above which they cannot be its parts. */
 constexpr double SUM_TOLERANCE = 0.01;
 
@@ -57,46 +51,6 @@ void requireClasses(const Image& picture, const Stills& reference) {
   if (away > SUM_TOLERANCE * light)
     throw Error("the reference's class layers overlap or leave paths out, and do not add up to its picture; "
                 "render stills with disjoint classes, such as the default ones");
-}
-
-/** Picture with NaN at pixels that are clipped and expected to be that bright, and at their neighbours.
- * Pixels that only noise made white stay, or the light of noisy classes would seem to be missing. */
-Image withoutClipped(const Image& picture, float limit, const Image& reference,
-                     const std::vector<double>& factors) {
-  Image out = picture;
-  const auto isClipped = [&](int x, int y, size_t c) {
-    if (picture.at(x, y)[c] < limit) return false;
-    double expected = 0;
-    for (size_t i = 0; i < factors.size(); ++i)
-      expected += factors[i] * double(reference.at(x, y)[3 * (i + 1) + c]);
-    return std::max(expected, double(reference.at(x, y)[c])) > double(limit) / 2;
-  };
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
-      for (size_t c = 0; c < 3; ++c) {
-        if (!isClipped(x, y, c)) continue;
-        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, picture.height - 1); ++j)
-          for (int i = std::max(x - 1, 0); i <= std::min(x + 1, picture.width - 1); ++i)
-            out.at(i, j)[c] = std::numeric_limits<float>::quiet_NaN();
-      }
-  return out;
-}
-
-double clippedFraction(const Image& picture) {
-  const float limit = clippingValue(picture);
-  size_t clipped = 0;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const Rgb value = picture.rgb(x, y);
-      clipped += value.r >= limit || value.g >= limit || value.b >= limit;
-    }
-  return double(clipped) / (double(picture.width) * double(picture.height));
-}
-
-/** Even side of the cells, at least 2 pixels, so that both halves of the checkerboard are in each. */
-int cellSide(const Image& picture) {
-  const double longer = std::max(picture.width, picture.height);
-  return std::max(2, 2 * static_cast<int>(std::lround(longer / (2 * REGIONS * REGION_CELLS))));
 }
 
 /** Range of cells, and its sums. */
@@ -151,22 +105,23 @@ StateFindings findShown(const ClassSums& sums, const std::vector<double>& hidden
   std::vector<size_t> shown;
   for (size_t i = 0; i < n; ++i) {
     const double change = exposure * sums.matrix[i * n + i];
-    if (change > 0 && change * change > VISIBLE * sums.covariance[i * n + i]) shown.push_back(i);
+    if (change > 0 && change * change > VISIBLE * sums.covarianceWithLoss(i, i)) shown.push_back(i);
   }
   StateProblem problem;
   problem.exposure = exposure;
   problem.findsExposure = findsExposure;
   problem.sums = ClassSums(shown.size());
+  problem.others.assign(shown.size(), 0);
   for (size_t a = 0; a < shown.size(); ++a) {
     const size_t i = shown[a];
     problem.prior.push_back(prior[i]);
     problem.sums.vector[a] = sums.vector[i];
     for (size_t j = 0; j < n; ++j)
       if (std::find(shown.begin(), shown.end(), j) == shown.end())
-        problem.sums.vector[a] -= exposure * hiddenFactors[j] * sums.matrix[i * n + j];
+        problem.others[a] += hiddenFactors[j] * sums.matrix[i * n + j];
     for (size_t b = 0; b < shown.size(); ++b) {
       problem.sums.matrix[a * shown.size() + b] = sums.matrix[i * n + shown[b]];
-      problem.sums.covariance[a * shown.size() + b] = sums.covariance[i * n + shown[b]];
+      problem.sums.covariance[a * shown.size() + b] = sums.covarianceWithLoss(i, shown[b]);
     }
   }
   const StateFindings found = findStates(problem);
@@ -218,8 +173,10 @@ std::vector<ClassFinding> findLocalStates(const Region& region, const StateFindi
     priors.push_back(prior);
   }
   std::vector<ClassFinding> out = findShown(region.sums, factors, priors, whole.exposure, false).classes;
-  for (size_t i = 0; i < out.size(); ++i)
+  for (size_t i = 0; i < out.size(); ++i) {
+    if (out[i].state == ClassState::UNKNOWN) out[i].factor = factors[i]; // hidden in this region
     if (!isKnown(out[i], priors[i])) out[i].state = ClassState::UNKNOWN;
+  }
   return out;
 }
 
@@ -280,13 +237,14 @@ ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whol
   const bool isSeen =
       (count[wrong] > 1 && area[wrong] > LEAST_PART * all) || global.state == ClassState(wrong);
   const size_t state = isSeen && area[wrong] > LEAST_PART * told ? wrong : 0;
+  if (count[state] == 0) return mark; // wrong in too few regions, and right in none
   mark.state = ClassState(state);
   mark.visibleFraction = told / all;
   mark.stateFraction = area[state] / told;
-  mark.certainty = area[state] > 0 ? certainty[state] / area[state] : 0;
+  mark.certainty = certainty[state] / area[state];
   if (global.state == mark.state) mark.certainty = std::max(mark.certainty, global.probabilities[state]);
-  mark.factor = weight[state] > 0 ? factor[state] / weight[state] : 1;
-  mark.standardError = weight[state] > 0 ? 1 / std::sqrt(weight[state]) : 0;
+  mark.factor = factor[state] / weight[state];
+  mark.standardError = 1 / std::sqrt(weight[state]);
   return mark;
 }
 
@@ -307,35 +265,28 @@ void findConfusion(Marking& marking, const StateFindings& whole) {
   if (confusion.classes.size() > 1 && any > KNOWN) marking.confusions.push_back(confusion);
 }
 
-/** −2 ln of the prior probability of a change, of which one exercise in twenty has one. */
-double explanationScore(const PictureChange& change) {
-  const int changes = (change.encoding != ValueEncoding::LINEAR) + change.isFlipped() + change.isShifted();
-  return -2 * std::log(WRONG_PRIOR) * changes;
+/** Findings after a tone curve: it could hide wrong classes, all of which are taken to be right. */
+StateFindings unjudged(size_t layers) {
+  StateFindings out;
+  out.classes.resize(layers);
+  out.best.assign(layers, ClassState::UNKNOWN);
+  return out;
 }
 
-/** −2 ln of the prior probability of all reported mistakes; each twentieth of the picture that remains
- * unexplained counts as one mistake. */
-double explanationScore(const Marking& marking) {
-  double mistakes = marking.exposureError > 0 ? 1 : 0;
-  for (const ClassMark& mark : marking.classes)
-    mistakes += mark.state != ClassState::RIGHT && mark.state != ClassState::UNKNOWN;
-  mistakes += double(marking.confusions.size()) + marking.unexplainedFraction / LEAST_PART;
-  return explanationScore(marking.change) - 2 * std::log(WRONG_PRIOR) * mistakes;
-}
-
-Marking markAligned(const Image& picture, const Stills& reference, const Alignment& alignment) {
-  const size_t layers = reference.layers.size() - 1;
+ReadMarks markAs(const Exercise& exercise, const Reading& reading) {
+  const Stills& reference = exercise.reference;
+  const size_t layers = exercise.layers;
+  const int side = exercise.side;
   Marking marking;
-  marking.change = alignment.change;
-  marking.changeCertainty = alignment.certainty;
-  marking.picture = undone(picture, alignment.change);
-  const float limit = clippingValue(picture);
-  const Image usable = withoutClipped(marking.picture, decoded(limit, alignment.change.encoding),
-                                      reference.image, alignment.factors);
-  const int side = cellSide(picture);
-  Cells cells(usable, reference.image, side);
+  marking.change = reading.alignment.change;
+  marking.picture = reading.light(exercise.picture);
+  PictureChange alignment = reading.alignment.change;
+  alignment.encoding = ValueEncoding::LINEAR;
+  const Image light =
+      withLoss(reading.light(exercise.usable), undone(exercise.clipped, alignment), REGION_CELLS * side);
+  Cells cells(light, reference.image, side);
   std::vector<Region> regions = makeRegions(cells);
-  std::vector<double> factors = alignment.factors;
+  std::vector<double> factors = reading.alignment.factors;
   ClassSums sums;
   constexpr int ROUNDS = 2; // weights depend on factors, and these on the weights
   for (int round = 0; round < ROUNDS; ++round) {
@@ -345,15 +296,21 @@ Marking markAligned(const Image& picture, const Stills& reference, const Alignme
   }
   if (sums.cells == 0)
     throw Error("no part of the picture can be marked: all pixels are clipped at white or not finite");
+  const std::vector<double> ones(layers, 1);
   const StateFindings whole =
-      findShown(sums, std::vector<double>(layers, 1), std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
+      reading.curve ? unjudged(layers)
+                    : findShown(sums, ones, std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
   marking.exposure = whole.exposure;
   marking.exposureError = whole.exposureError;
   marking.exposureCertainty = whole.exposureCertainty;
   double area = 0, unexplained = 0;
   for (const Region& region : regions) {
-    marking.regions.push_back(markRegion(region, cells, whole, side, picture));
-    const MarkedRegion& marked = marking.regions.back();
+    marking.regions.push_back(markRegion(region, cells, whole, side, exercise.picture));
+    MarkedRegion& marked = marking.regions.back();
+    if (reading.curve) {
+      marked.classes = whole.classes;
+      marked.unexplained = cells.misfit(region.range, ones).unexplained;
+    }
     area += areaOf(marked);
     if (marked.unexplained > MARKED_RESIDUAL) unexplained += areaOf(marked);
   }
@@ -361,8 +318,41 @@ Marking markAligned(const Image& picture, const Stills& reference, const Alignme
   for (size_t i = 0; i < layers; ++i)
     marking.classes.push_back(markClass(i, reference.layers[i + 1], whole, marking.regions));
   findConfusion(marking, whole);
-  marking.clippedFraction = clippedFraction(picture);
   for (float& value : marking.picture.pixels) value = static_cast<float>(double(value) / marking.exposure);
+  ReadMarks out{std::move(marking), whole};
+  out.score = scoreOf(exercise, reading, out);
+  return out;
+}
+
+/** Whether two changes are the same mistake: both display curves are nearly the same. */
+bool isSameChange(PictureChange a, PictureChange b) {
+  for (PictureChange* change : {&a, &b})
+    if (change->encoding == ValueEncoding::GAMMA_22) change->encoding = ValueEncoding::SRGB;
+  return a == b;
+}
+
+/** Marks whose certainties are averages over all readings. A state that is not probable then is unknown. */
+Marking averaged(Marking marking, const std::vector<ReadMarks>& all,
+                 const std::vector<double>& probabilities) {
+  marking.changeCertainty = 0;
+  double exposureCertainty = 0;
+  std::vector<double> certainties(marking.classes.size());
+  for (size_t k = 0; k < all.size(); ++k) {
+    const Marking& other = all[k].marking;
+    if (isSameChange(other.change, marking.change)) marking.changeCertainty += probabilities[k];
+    if (other.change.encoding == ValueEncoding::TONE_CURVE) continue; // judges nothing
+    if ((other.exposureError > 0) == (marking.exposureError > 0))
+      exposureCertainty += probabilities[k] * other.exposureCertainty;
+    for (size_t i = 0; i < certainties.size(); ++i)
+      if (other.classes[i].state == marking.classes[i].state)
+        certainties[i] += probabilities[k] * other.classes[i].certainty;
+  }
+  marking.exposureCertainty = exposureCertainty;
+  for (size_t i = 0; i < certainties.size(); ++i) {
+    ClassMark& mark = marking.classes[i];
+    mark.certainty = certainties[i];
+    if (mark.state != ClassState::RIGHT && mark.certainty < KNOWN) mark.state = ClassState::UNKNOWN;
+  }
   return marking;
 }
 
@@ -380,16 +370,24 @@ bool Marking::isRight() const {
 
 Marking markExercise(const Image& picture, const Stills& reference) {
   requireClasses(picture, reference);
-  const Alignment found = findAlignment(picture, reference);
-  Marking marking = markAligned(picture, reference, found);
-  if (found.change == PictureChange() || explanationScore(marking) <= explanationScore(found.change))
-    return marking;
-  // A change after which mistakes remain must explain more than mistakes of the light alone.
-  Marking plain = markAligned(picture, reference, unchanged(picture, reference));
-  const double more = explanationScore(marking) - explanationScore(plain);
-  Marking& better = more > 0 ? plain : marking;
-  better.changeCertainty = 1 / (1 + std::exp(-std::abs(more) / 2));
-  return better;
+  const Exercise exercise(picture, reference);
+  std::vector<ReadMarks> all;
+  const auto best = [&]() -> ReadMarks& {
+    return *std::min_element(all.begin(), all.end(),
+                             [](const auto& a, const auto& b) { return a.score < b.score; });
+  };
+  for (const Reading& reading : encodedReadings(exercise)) all.push_back(markAs(exercise, reading));
+  for (const Reading& reading : curveReadings(exercise, best().marking.change))
+    all.push_back(markAs(exercise, reading));
+  const ReadMarks& chosen = best();
+  double sum = 0;
+  for (const ReadMarks& marks : all) sum += std::exp((chosen.score - marks.score) / 2);
+  std::vector<double> probabilities;
+  for (const ReadMarks& marks : all)
+    probabilities.push_back(std::exp((chosen.score - marks.score) / 2) / sum);
+  Marking marking = averaged(chosen.marking, all, probabilities);
+  marking.clippedFraction = exercise.clippedFraction();
+  return marking;
 }
 
 } // namespace recurse

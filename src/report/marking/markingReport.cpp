@@ -31,18 +31,21 @@ std::string nameOf(const ClassMark& mark) {
   return mark.expression == mark.name ? mark.name : mark.expression + " (" + mark.name + ")";
 }
 
-/** One of the shortest paths of a class in words, without media if there is one; empty where its expression
- * is unknown. */
-std::string exampleOf(const ClassMark& mark) {
+/** One of the shortest paths of a class, without media if there is one; empty where its expression is
+ * unknown. */
+std::string shortestPath(const ClassMark& mark) {
   if (mark.expression.empty()) return {};
-  std::string word;
   try {
     const PathAutomaton all = PathAutomaton::compile(mark.expression);
     const PathAutomaton atSurfaces = all.intersect(PathAutomaton::compile("L(S|D)*E"));
-    word = (atSurfaces.isEmpty() ? all : atSurfaces).shortestWord();
+    return (atSurfaces.isEmpty() ? all : atSurfaces).shortestWord();
   } catch (const Error&) { // expression of a foreign program
     return {};
   }
+}
+
+/** A path in words. */
+std::string pathText(const std::string& word) {
   std::string out;
   for (char letter : word) {
     const char* vertex = letter == 'L'   ? "lamp"
@@ -53,6 +56,13 @@ std::string exampleOf(const ClassMark& mark) {
     out += (out.empty() ? "" : ", ") + std::string(vertex);
   }
   return out;
+}
+
+/** Whether a class has longer paths than this one. */
+bool hasLongerPaths(const ClassMark& mark, const std::string& shortest) {
+  if (shortest.size() < 2) return false;
+  const std::string longer = "L(S|D|V){" + std::to_string(shortest.size() - 1) + ",}E";
+  return !PathAutomaton::compile(mark.expression).intersect(PathAutomaton::compile(longer)).isEmpty();
 }
 
 /** Hint at a well-known mistake that gives this factor; empty where there is none. */
@@ -94,6 +104,14 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
     add("The values were linearised twice: shadows are too dark",
         "Linear values were written to an 8-bit picture without encoding. Encode them with the sRGB curve "
         "before writing PNG or JPEG, or write EXR.");
+  if (change.encoding == ValueEncoding::TONE_CURVE)
+    add("The values are not in proportion to light: a tone curve or an unknown encoding was applied",
+        "Classes of light cannot be judged after it. Write linear values: an EXR file, or a PNG file with "
+        "'--tonemap none --exposure 0' if nothing but lamps is above white." +
+            (marking.isUnexplained()
+                 ? " No curve explains " + percentText(marking.unexplainedFraction) +
+                       " of the picture: the tone operator was a local one, or there are other mistakes."
+                 : ""));
   if (change.isFlippedHorizontally && change.isFlippedVertically)
     add("The picture is rotated by 180 degrees",
         "Check the signs of x and y of camera rays, and the order of pixels in the file.");
@@ -116,8 +134,8 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
 }
 
 MarkingStatement statementOf(const ClassMark& mark, int number) {
-  const std::string example = exampleOf(mark);
-  const std::string paths = example.empty() ? "" : " Its paths: " + example + ".";
+  const std::string shortest = shortestPath(mark);
+  const std::string paths = shortest.empty() ? "" : " Its paths: " + pathText(shortest) + ".";
   MarkingStatement out{"", "", mark.certainty, number};
   switch (mark.state) {
   case ClassState::MISSING:
@@ -139,6 +157,8 @@ MarkingStatement statementOf(const ClassMark& mark, int number) {
     out.advice = "A factor is wrong where this light is computed." + paths +
                  " Check BSDF, cosine and density at its vertices." +
                  wellKnownFactor(mark.factor, mark.standardError);
+    if (mark.factor < 1 && hasLongerPaths(mark, shortest))
+      out.advice += " Or its longer paths are missing: check the maximum depth.";
   }
   return out;
 }
@@ -202,9 +222,13 @@ std::vector<std::string> remarks(const Marking& marking) {
   for (const ClassMark& mark : marking.classes)
     if (mark.state == ClassState::UNKNOWN && mark.share > 0)
       unknown += (unknown.empty() ? "" : ", ") + mark.name;
-  if (!unknown.empty())
+  if (!unknown.empty() && marking.change.encoding != ValueEncoding::TONE_CURVE)
     out.push_back("Not judged: " + unknown +
                   ". They are too dark or too noisy in this picture, or too similar to other classes.");
+  constexpr double SURE = 0.9;
+  if (marking.changeCertainty < SURE)
+    out.push_back("It is not known how the values were made from light: this reading of them is " +
+                  percentText(marking.changeCertainty) + " probable. Give an EXR file with linear values.");
   if (marking.clippedFraction > 0)
     out.push_back(percentText(marking.clippedFraction) +
                   " of the pixels are clipped at white (8 bits): lamps, caustics and noise there cannot be "
@@ -231,7 +255,7 @@ std::vector<MarkingStatement> markingStatements(const Marking& marking) {
                    [&](size_t a, size_t b) { return marking.classes[a].share > marking.classes[b].share; });
   for (size_t i : wrong) out.push_back(statementOf(marking.classes[i], static_cast<int>(i)));
   for (const ClassConfusion& confusion : marking.confusions) out.push_back(statementOf(confusion, marking));
-  if (marking.isUnexplained())
+  if (marking.isUnexplained() && marking.change.encoding != ValueEncoding::TONE_CURVE)
     out.push_back({"In " + percentText(marking.unexplainedFraction) +
                        " of the picture the difference is not explained by any class of light",
                    "Geometry, a material, a texture or the camera differs from the reference there."});
@@ -251,7 +275,7 @@ std::string markingText(const Marking& marking) {
 }
 
 std::string markingJson(const Marking& marking) {
-  static constexpr const char* ENCODING_NAMES[] = {"linear", "srgb", "gamma22", "decoded"};
+  static constexpr const char* ENCODING_NAMES[] = {"linear", "srgb", "gamma22", "decoded", "tone curve"};
   const PictureChange& change = marking.change;
   Json json = {{"right", marking.isRight()}};
   json["statements"] = Json::array();

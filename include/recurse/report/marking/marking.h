@@ -14,9 +14,10 @@ namespace recurse {
 /** Encoding of the values in a picture that is expected to be linear. */
 enum class ValueEncoding {
   LINEAR,
-  SRGB,     ///< encoded by sRGB's curve (IEC 61966-2-1)
-  GAMMA_22, ///< encoded by the power 1 / 2.2
-  DECODED   ///< linear values that were decoded as sRGB: written to a PNG without encoding
+  SRGB,      ///< encoded by sRGB's curve (IEC 61966-2-1)
+  GAMMA_22,  ///< encoded by the power 1 / 2.2
+  DECODED,   ///< linear values that were decoded as sRGB: written to a PNG without encoding
+  TONE_CURVE ///< compressed by a tone operator: no known encoding, but a monotone curve
 };
 
 /** Difference of a picture from its reference that is not caused by light transport. */

@@ -29,11 +29,9 @@ enum class LightVertexKind : uint8_t {
 struct RecordedLightVertex {
   int previous = NOT_RECORDED; ///< index of the vertex that the light came from; none: a START
   LightVertexKind kind = LightVertexKind::START;
-  PathEvent event = PathEvent::D; ///< event at the previous vertex, unless that is a START
-  Vec3f position{0};              ///< [scene units], relative to Scene::origin()
-  /** Emitted or on arrival, divided by the number of light paths [W]; black for a START in
-   * PathRecorder::lightVertices. */
-  Rgb flux{0};
+  PathEvent event = PathEvent::D;     ///< event at the previous vertex, unless that is a START
+  Vec3f position{0};                  ///< [scene units], relative to Scene::origin()
+  Rgb flux{0};                        ///< emitted or on arrival, divided by the number of light paths [W]
   LightState state{};                 ///< path-class state before this vertex's event
   bool stored = false;                ///< kept as a photon, a virtual light or a vertex for connections
   uint32_t object = 0;                ///< of a SURFACE, see Scene::objectName()
