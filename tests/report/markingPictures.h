@@ -27,7 +27,7 @@ inline Stills renderedStills(const std::string& text, int samples, uint64_t seed
       1);
 }
 
-/** The sum of the layers, each by a factor that may depend on the pixel. */
+/** Sum of the layers, each with a factor that may depend on the pixel. */
 template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& factor) {
   Image out(stills.image.width, stills.image.height, {"R", "G", "B"});
   for (int y = 0; y < out.height; ++y)
@@ -39,7 +39,7 @@ template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& fa
   return out;
 }
 
-/** Noise in proportion to the light, as of fewer samples. */
+/** Noise in proportion to the light, as with fewer samples. */
 inline Image grained(const Image& image, double deviation, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0, deviation);
@@ -48,7 +48,7 @@ inline Image grained(const Image& image, double deviation, unsigned seed) {
   return out;
 }
 
-/** As a file of 8 bits brings it back. */
+/** Picture after rounding to 8 bits. */
 inline Image inEightBits(const Image& image) {
   Image out = image;
   for (float& value : out.pixels)
@@ -56,7 +56,7 @@ inline Image inEightBits(const Image& image) {
   return out;
 }
 
-/** Stills of even layers with noise, without rendering. */
+/** Stills of uniform layers with noise, without rendering. */
 inline Stills syntheticStills(const std::vector<Image>& layers, const std::vector<std::string>& names) {
   std::vector<std::string> channels = {"R", "G", "B"};
   std::string classes;
@@ -76,7 +76,7 @@ inline Stills syntheticStills(const std::vector<Image>& layers, const std::vecto
   return stillsOf(image, "synthetic");
 }
 
-/** Light that varies slowly: waves of a length in pixels. */
+/** Slowly varying light: waves of a length in pixels. */
 inline Image waves(double level, double length, double phase) {
   Image image(64, 48, {"R", "G", "B"});
   for (int y = 0; y < image.height; ++y)
