@@ -217,6 +217,7 @@ class Bidirectional::CameraWalk {
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
                         static_cast<float>(vertex.pdfDirection(direction)),
                         static_cast<float>(vertex.pdfReverse(direction)), weight);
+      out.recorder->source.panes = static_cast<int>(panes.size());
       recordWeights(full);
     }
     out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight,

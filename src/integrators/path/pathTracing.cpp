@@ -276,7 +276,7 @@ class PathTracing final : public Integrator {
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // coincident: no occlusion
-          addSampled(v, *lights[i], choices[i].chosen, v.cameraD, radiance);
+          addSampled(v, *lights[i], choices[i].chosen, v.cameraD, 0, radiance);
           continue;
         }
         shadows[count].vertex = &v;
@@ -289,26 +289,32 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
         if (!blocked[i]) {
-          addSampled(v, *shadows[i].light, shadows[i].chosen, v.cameraD, shadows[i].radiance);
+          addSampled(v, *shadows[i].light, shadows[i].chosen, v.cameraD, 0, shadows[i].radiance);
           continue;
         }
         CameraState state = v.cameraD;
+        int panes = 0;
         const Transmittance free =
             throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
-                         panesLeft(settings.maxDepth, v.path->depth), counts,
-                         [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
+                         panesLeft(settings.maxDepth, v.path->depth), counts, [&](const Hit& pane) {
+                           state = stepThroughPane(classes, state, pane);
+                           ++panes;
+                         });
         if (!isBlack(free.value))
-          addSampled(v, *shadows[i].light, shadows[i].chosen, state, shadows[i].radiance * free.value);
+          addSampled(v, *shadows[i].light, shadows[i].chosen, state, panes, shadows[i].radiance * free.value);
       }
     }
 
-    /** Adds the contribution of a shadow ray. `state`: of the camera path up to the light. */
+    /** Adds the contribution of a shadow ray through `panes` thin panes. `state`: of the camera path up to
+     * the light. */
     void addSampled(const Vertex& v, const LiSample& light, const ChosenLight& chosen, CameraState state,
-                    const Rgb& radiance) const {
+                    int panes, const Rgb& radiance) const {
       PathRadiance& out = *v.path->camera->out;
-      if (out.recorder)
+      if (out.recorder) {
         recordLightSample(*out.recorder, v.recorded, *v.scattering, v.wi, light, chosen.probability,
                           settings.lightSamples, v.allowed);
+        out.recorder->source.panes = panes;
+      }
       out.add(classes.lightStart(chosen.index), state, radiance,
               lengthToLight(scene, v.path->optical, *v.scattering, v.wi, v.hit->point, light));
     }

@@ -101,12 +101,13 @@ class PlainPath {
                                       scene.hasMedia() ? &spectral : nullptr),
                   length);
   }
+  void recordMediumEmission() const {
+    Hit end;
+    const bool isHit = scene.intersect(path.ray, end);
+    recordFlight(*out.recorder, record.step(), path.ray, isHit ? end.t : INFINITE);
+  }
   void addMediumEmission(const Rgb& radiance) {
-    if (out.recorder) {
-      Hit end;
-      const bool isHit = scene.intersect(path.ray, end);
-      recordFlight(*out.recorder, record.step(), path.ray, isHit ? end.t : INFINITE);
-    }
+    if (out.recorder) recordMediumEmission();
     add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
   }
 

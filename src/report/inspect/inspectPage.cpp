@@ -202,7 +202,8 @@ class PixelJson {
             {shortened(double(s.vertexPdf)), shortened(double(s.vertexPdfReverse)),
              shortened(double(s.lightVertexPdf)), shortened(double(s.lightVertexPdfReverse))},
             weights(record, s),
-            table.index(omission ? omission : "")};
+            table.index(omission ? omission : ""),
+            s.panes};
   }
 
   const Scene& scene;

@@ -32,10 +32,10 @@ class PixelPaths {
   }
 
   path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance, lightVertex, densities,
-    weights, omission], i) {
+    weights, omission, panes], i) {
     const sample = this.pixel.samples.findIndex(([first, last]) => i >= first && i < last);
     const found = { technique: this.names[technique], end, isInfinite, weight, pdf, otherPdf, cls, radiance, sample,
-      densities, omission: this.names[omission], estimate: this.pixel.estimates[estimate],
+      densities, panes, omission: this.names[omission], estimate: this.pixel.estimates[estimate],
       weights: weights.map(([name, vertices, w]) => [this.names[name], vertices, w]) };
     found.byRay = found.technique === "hit" || found.technique === "emission along a ray";
     const last = found.byRay || vertex < 0 ? (this.pixel.steps[step]?.[0] ?? -1) : vertex;
@@ -73,12 +73,12 @@ class PixelPaths {
   }
 
   /** Word of a path: L, the events from the light on, E; events of photons that are not known are an ellipsis. */
-  word({ technique, byRay, steps, vertices, lightVertices }) {
+  word({ technique, byRay, panes, steps, vertices, lightVertices }) {
     // The event of a vertex next to the light is that of the start, which is none.
     const light = lightVertices.slice(0, -2).map((v) => v[1]).reverse().join("");
     const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
     if (byRay) return `L${letters}E`;
-    if (technique === "light sample") return `L${at}${letters}E`;
+    if (technique === "light sample") return `L${"S".repeat(panes)}${at}${letters}E`;
     if (technique === "merge" || technique === "patches" || technique === "ambient term") return `L${lightVertices.length > 0 ? light : "…"}${at}${letters}E`;
     if (technique === "connection") return `L${light}D${at}${letters}E`;
     return `L…${letters}E`;
@@ -234,7 +234,8 @@ class PathView {
   fillEnd(path, table) {
     const world = (p) => worldText(this.data, p), colour = (c) => c.map(numberText).join(" ");
     const e = path.estimate;
-    const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique;
+    const through = path.panes > 0 ? ` through ${path.panes} ${path.panes > 1 ? "panes" : "pane"}` : "";
+    const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique + through;
     const towards = () => [path.end[0] * this.data.mirror, path.end[1], path.end[2]].map(numberText).join(" ");
     const isPoint = !path.omission || path.technique === "merge" && !e;
     const place = !isPoint ? "" : path.isInfinite ? `towards ${towards()}` : world(path.end);

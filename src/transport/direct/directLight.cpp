@@ -85,9 +85,12 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
   SpectralTransmittance through;
   const PathClasses& classes = out.pathClasses();
   CameraState state = vertex.state;
+  int panes = 0;
   transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero, maxPanes, sampler,
-                       through, out.counts,
-                       [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
+                       through, out.counts, [&](const Hit& pane) {
+                         state = stepThroughPane(classes, state, pane);
+                         ++panes;
+                       });
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
   const float bsdfPdf = !light.unhittable && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
@@ -97,6 +100,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                       vertex.pdfReverse(light.direction),
                       recorded::weightOf(through.lightPdf * pdf, density));
     recorder->source.vertexPdf = vertex.pdf(light.direction);
+    recorder->source.panes = panes;
   }
   density *= vertex.path.pathPdf;
   out.add(classes.lightStart(index), state,
@@ -136,9 +140,11 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
       free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts, passPane);
     }
     if (isBlack(free.value)) continue;
-    if (out.recorder)
+    if (out.recorder) {
       recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
                         choice.chosen.probability, samples, allowed);
+      out.recorder->source.panes = panes;
+    }
     if (weight) {
       const float against = weight(choice.chosen, *light, panes);
       if (out.recorder) out.recorder->source.weight *= against;

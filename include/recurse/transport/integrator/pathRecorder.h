@@ -88,6 +88,7 @@ struct RecordedSource {
    * at once, patches, and ambient terms. */
   Vec3f end{0};
   bool isInfinite = false;
+  int panes = 0; ///< thin panes that a light sample passes straight, which are no vertices of the record
   /** MIS weight among all techniques that can make the path; 1 for merges of many photons at once. */
   float weight = 1;
   float pdf = 0; ///< density of this technique, for all light samples together [1/sr]; 0: delta, or unknown
