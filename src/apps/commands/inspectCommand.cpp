@@ -50,16 +50,13 @@ std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& 
   return pixels;
 }
 
-PathClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
+InspectClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
   if (classes.empty()) classes = defaultStillClasses(loaded.scene->hasMedia());
   const PathNames names = pathNames(*loaded.scene, loaded.integrator.get());
-  PathClasses out(planStills(classes, &names).classes, names);
-  // The photons' surfaces are not known.
-  if (out.distinguishesSurfaces())
-    badUsage("--class: the classes of inspect can name lights, but no surfaces");
-  return out;
+  return inspectClasses(planStills(classes, &names).classes, *loaded.scene, loaded.integrator.get(),
+                        size_t(loaded.scene->film().crop.area()));
 }
 
 /** Irradiance by `path` at the recorded pixels, of the light that the photons carry. */
@@ -67,7 +64,8 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
                                          const Inspection& inspection, int64_t samples, uint64_t seed,
                                          const std::atomic<bool>& stop) {
   const std::string expression =
-      photonExpression(classes, inspection.photons, loaded.integrator->photonPaths());
+      photonExpression(classes, inspection.photons, loaded.integrator->photonPaths(), inspection.kinds,
+                       inspection.shownClasses);
   if (samples == 0 || inspection.photons.empty() || expression.empty()) return {};
   ParsedDirective directive;
   directive.type = "path";
@@ -77,7 +75,7 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
   Diagnostics diagnostics;
   const std::unique_ptr<Integrator> path = makeIntegrator(directive, false, diagnostics);
   diagnostics.throwIfErrors();
-  const PathClasses ofPhotons = sceneClasses({{"photons", expression}}, *loaded.scene);
+  const PathClasses ofPhotons = sceneClasses({{"photons", expression}}, *loaded.scene, path.get());
   path->prepare(*loaded.scene, ofPhotons);
   ForwardControl control;
   control.stop = &stop;
@@ -115,8 +113,12 @@ ExitStatus inspectScene(const InspectOptions& o) {
   requireDistinctFiles({{"-o", o.output}, {"--stats", o.render.statistics}},
                        inputFiles("a file of the scene", loaded.files));
   const Scene& scene = *loaded.scene;
-  const PathClasses classes = classesOf(o, loaded);
+  const InspectClasses all = classesOf(o, loaded);
+  const PathClasses& classes = all.classes;
   Inspection inspection;
+  inspection.shownClasses = all.shown;
+  inspection.lamps = all.lamps;
+  inspection.depths = all.depths;
   inspection.pixels = pixelsOf(o, scene.film().crop);
   inspection.lightPaths = LightPathRecorder(lightPaths);
 
@@ -136,6 +138,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
                graceful.flag(), {}, &inspection.lightPaths);
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
+  inspection.kinds = surfaceKindsOf(scene, classes, inspection.photons);
   inspection.shownPhotons = photons;
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,

@@ -11,6 +11,7 @@ class PhotonView {
       : `${count === inMap ? "All" : `${count} of`} ${inMap} ${name} of the integrator's last pass`
         + (count === inMap ? "." : `, each represents ${Math.round(inMap / count)}.`) + ` Limit: --shown-photons ${limit}.`;
     element("photonTools").hidden = count === 0;
+    element("photonColour").querySelector("[value=depth]").hidden = data.depths === 0;
     this.references = data.references.map((r) => ({ ...r, point: vector(r.position), normal: vector(r.normal), name: r.object }));
     this.drawReferences();
     element("atPixel").addEventListener("click", () => this.pick(this.offered));
@@ -23,17 +24,19 @@ class PhotonView {
 
   /** Colours of the photons, three bytes each. */
   colours(mode) {
-    const { count, kinds, powers } = this.photons, out = new Uint8Array(3 * count);
+    const { count, kinds, powers, depths } = this.photons, out = new Uint8Array(3 * count);
     const rgb = (colour) => new THREE.Color(colour).toArray().map((x) => Math.round(255 * x)), palette = new Map();
     const STEPS = 64, brightest = mode === "power" ? this.brightPower() : 1;
     const keyOf = {
       class: (i) => kinds[i] & ~CAUSTIC,
       map: (i) => kinds[i] & CAUSTIC,
+      depth: (i) => depths[i],
       power: (i) => Math.round(STEPS * Math.min(1,
         Math.sqrt(luminance(powers[3 * i], powers[3 * i + 1], powers[3 * i + 2]) / brightest))),
     }[mode];
     const colourOf = {
       class: (key) => rgb(classColour(key)),
+      depth: (key) => rgb(this.depthColour(key)),
       map: (key) => rgb(key ? "#ffd166" : "#4fa3ff"),
       power: (key) => rgb(new THREE.Color().setHSL(0.66 * (1 - key / STEPS), 1, 0.55)),
     }[mode];
@@ -45,8 +48,29 @@ class PhotonView {
     return out;
   }
 
+  /** Colour of a depth from 1, blue, on; 0: not known. */
+  depthColour(depth) {
+    const last = Math.max(2, this.data.depths);
+    return depth === 0 ? "#9aa2b1" : `hsl(${Math.round(220 * (1 - (depth - 1) / (last - 1)))}, 95%, 60%)`;
+  }
+
+  /** Lists the colours of the depths that occur, with their numbers of photons. */
+  listDepths() {
+    const isShown = element("photonColour").value === "depth", counts = new Map();
+    element("depthLegend").hidden = !isShown;
+    if (!isShown) return;
+    for (const depth of this.photons.depths) counts.set(depth, (counts.get(depth) ?? 0) + 1);
+    element("depthLegend").replaceChildren(...[...counts].sort((a, b) => a[0] - b[0]).map(([depth, count]) => {
+      const item = document.createElement("li"), isLast = depth === this.data.depths;
+      const name = depth === 0 ? "not known" : `${depth}${isLast ? " or more" : ""}`;
+      item.append(swatch(this.depthColour(depth)), ` ${name}: ${count}`);
+      return item;
+    }));
+  }
+
   draw() {
     const { count, positions } = this.photons;
+    this.listDepths();
     if (!element("showPhotons").checked || count === 0) {
       this.view.replace("photons", null);
       return;
