@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <regex>
 #include <vector>
 
 #include <unistd.h>
@@ -92,6 +93,16 @@ std::string nearestTo(const CLI::App& command, const std::vector<std::string>& w
   return {};
 }
 
+/** The message of CLI11, in plain words where an option is repeated that may be given once. */
+std::string plainText(const CLI::ParseError& error) {
+  static const std::regex REPEATED("(--?[^:]+): At Most 1 required but received (\\d+)");
+  const std::string text = error.what();
+  std::smatch found;
+  if (!std::regex_match(text, found, REPEATED)) return text;
+  return found[1].str() + ": given " + (found[2] == "2" ? "twice" : found[2].str() + " times") +
+         "; accepted: once";
+}
+
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
@@ -147,7 +158,7 @@ ExitStatus run(int argc, char** argv) {
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
     const std::string near = nearestTo(*at, std::vector<std::string>(argv + 1, argv + argc));
-    return sayError(error.what() + near + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
+    return sayError(plainText(error) + near + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
   }
   return chosen();
 }

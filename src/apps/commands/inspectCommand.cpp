@@ -8,6 +8,7 @@
 #include "apps/options/renderOptions.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/text.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/inspect/formFactors.h"
@@ -106,6 +107,8 @@ ExitStatus inspectScene(const InspectOptions& o) {
   const int64_t referenceSamples = parseCount("--reference-samples", o.referenceSamples, 0, 100000000);
   if (referenceSamples == 1)
     badUsage("--reference-samples: a standard error needs at least 2 samples; 0: none");
+  if (!lowerCase(o.output).ends_with(".html"))
+    badUsage("-o " + o.output + ": the output is a page, such as look.html");
   checkFileWritable(o.output);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   const ThreadPool pool(plan.threads);
@@ -132,7 +135,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
                        " samples per pixel";
     statistics = statisticsJson(report);
   }
-  replaceIntegrator(loaded, o.render.integrator, o.render.lenient);
+  replaceIntegrator(loaded, o.render.integrator, o.render.lenient, false);
   const GracefulStop graceful;
   recordPixels(scene, *loaded.integrator, classes, plan.settings(scene), samples, inspection.pixels,
                graceful.flag(), {}, &inspection.lightPaths);

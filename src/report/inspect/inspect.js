@@ -2,7 +2,8 @@
 
 async function decodeMesh(mesh) {
   return { ...mesh, positions: await decodeNumbers(mesh.positions, Float32Array),
-    colours: await decodeNumbers(mesh.colours, Uint8Array), objects: await decodeNumbers(mesh.objects, Uint16Array) };
+    colours: await decodeNumbers(mesh.colours, Uint8Array), objects: await decodeNumbers(mesh.objects, Uint16Array),
+    specular: await decodeNumbers(mesh.specular, Uint8Array) };
 }
 
 async function decodePhotons(photons) {

@@ -84,6 +84,7 @@ Json meshJson(const SceneMesh& mesh) {
           {"positions", encodedNumbers(mesh.positions)},
           {"colours", encodedNumbers(mesh.colours)},
           {"objects", encodedNumbers(mesh.objects)},
+          {"specular", encodedNumbers(mesh.specular)},
           {"names", mesh.names},
           {"sampledShapes", mesh.sampledShapes},
           {"curves", mesh.curves},
@@ -254,8 +255,7 @@ Json photonsJson(const PathClasses& classes, const MaskReader& reader, const Ins
       normals.push_back(signedByte(p.normal[k]));
       directions.push_back(signedByte(p.direction[k]));
     }
-    const LayerMask mask =
-        maskOf(classes, p, inspection.kinds.empty() ? SurfaceKind() : inspection.kinds[i]);
+    const LayerMask mask = maskOf(classes, p, inspection.kinds.empty() ? SurfaceKind() : inspection.kinds[i]);
     kinds.push_back(uint8_t(reader.classOf(mask) | (p.caustic ? CAUSTIC : 0)));
     depths.push_back(reader.depthOf(mask));
   }
@@ -459,7 +459,7 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
   addPixels(picture, inspection.picture);
   NameTable names;
   Json pixels = Json::array();
-  for (const RecordedPixel& pixel : inspection.pixels) 
+  for (const RecordedPixel& pixel : inspection.pixels)
     pixels.push_back(PixelJson(scene, pathNames, reader, names).of(pixel));
   const Json data = {{"title", inspection.title},
                      {"label", inspection.label},
@@ -484,14 +484,14 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"references", referencesJson(scene, inspection.references)},
                      {"patches", patchesJson(inspection)},
                      {"live", inspection.isLive}};
-  return htmlPage(
-      {page::INSPECT_HTML,
-       inspection.title + " · light in the scene",
-       {page::PAGE_CSS, page::INSPECT_CSS},
-       {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
-       {page::PIXELS_JS, page::PATH_EXPRESSION_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS, page::PHOTON_VIEW_JS,
-        page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::PATCH_VIEW_JS, page::INSPECT_JS}},
-      data);
+  return htmlPage({page::INSPECT_HTML,
+                   inspection.title + " · light in the scene",
+                   {page::PAGE_CSS, page::INSPECT_CSS},
+                   {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
+                   {page::PIXELS_JS, page::PATH_EXPRESSION_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS,
+                    page::ESTIMATE_JS, page::PHOTON_VIEW_JS, page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS,
+                    page::PATCH_VIEW_JS, page::INSPECT_JS}},
+                  data);
 }
 
 } // namespace recurse

@@ -120,11 +120,11 @@ class PhotonView {
 
   /** Collects the photons on the side of a surface that was clicked. `irradiance` and `error`: by path tracing, at
    * reference points only. */
-  pick({ point, normal, name, irradiance, error, samples }) {
+  pick({ point, normal, name, irradiance, error, samples, isSpecular = false }) {
     if (this.photons.count === 0) return;
     this.estimate = new Estimate(this.photons, this.view.mesh, { point, normal }, this.data.radius);
     this.reference = irradiance ? { value: irradiance, y: luminance(...irradiance), error, samples } : null;
-    Object.assign(this, { point, normal, name, answer: null });
+    Object.assign(this, { point, normal, name, isSpecular, answer: null });
     element("estimate").hidden = false;
     this.limits = [this.estimate.smallest, this.estimate.largest];
     this.setNumber(Math.min(100, this.estimate.found.length));
@@ -165,6 +165,7 @@ class PhotonView {
       ["luminance", `${numberText(y)} ± ${numberText(error)}`],
       ["noise", y > 0 ? `${(100 * error / y).toFixed(0)} %` : "–"],
       ["kernel on the surface", `${(100 * covered).toFixed(0)} %`]];
+    if (this.isSpecular) rows.splice(1, 0, ["photons", "none are stored here: the surface only reflects and refracts as mirrors and glass do"]);
     const { reference } = this;
     if (reference)
       rows.push(["path tracing, red green blue", reference.value.map(numberText).join("  ")],
@@ -234,7 +235,8 @@ class PhotonView {
       context.fillText(text, x, y + 13);
       const value = part * top / 1.1, [left, up] = place(0, value);
       context.textAlign = "right";
-      context.fillText(numberText(value), left - 5, up + 4);
+      // Without light there is no scale.
+      if (part === 0 || top > 1e-25) context.fillText(numberText(value), left - 5, up + 4);
       context.beginPath();
       context.moveTo(left, up);
       context.lineTo(place(1, value)[0], up);

@@ -30,15 +30,20 @@ uint8_t srgb(float linear) {
       std::lround(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055)));
 }
 
-/** Colour of a surface in the view: its albedo at normal incidence. */
-Rgb albedoAt(const PlacedShape& placed, const Material* material, const SurfacePoint& point) {
+/** Look of a surface in the view. */
+struct Look {
+  Rgb albedo; ///< at normal incidence
+  bool isSpecular = false;
+};
+
+Look lookAt(const PlacedShape& placed, const Material* material, const SurfacePoint& point) {
   constexpr float CLEAR = 0.85f; // grey of mirrors and glass, which have no albedo
-  if (placed.emits) return Rgb(1, 0.9f, 0.6f);
-  if (!material) return Rgb(CLEAR);
+  if (placed.emits) return {Rgb(1, 0.9f, 0.6f)};
+  if (!material) return {Rgb(CLEAR), true};
   BsdfArena arena;
   const Bsdf* bsdf = material->bsdfAt(point, arena);
-  if (!bsdf || !(bsdf->lobes() & NON_DELTA_LOBES)) return Rgb(CLEAR);
-  return bsdf->albedo(Vec3f(0, 0, 1));
+  if (!bsdf || !(bsdf->lobes() & NON_DELTA_LOBES)) return {Rgb(CLEAR), true};
+  return {bsdf->albedo(Vec3f(0, 0, 1))};
 }
 
 /** Whether a shape has no faces of its own, and is no curve. */
@@ -55,7 +60,7 @@ struct DicingPlan {
   DicingPlan(const Scene& scene, size_t limit) {
     constexpr double CUBE_TRIANGLES = 6; // a shape has about so many for each square of its cells
     constexpr double LEAST = 8, MOST = 96, MOST_OF_COSTLY = 48, COSTLY = 8; // the last in tests of a ray
-    constexpr size_t CURVE_FRACTION = 2; // of the limit
+    constexpr size_t CURVE_FRACTION = 2;                                    // of the limit
     size_t shapes = 0, segments = 0;
     double tests = 1;
     visitShapes(scene, [&](const PlacedShape& placed) {
@@ -102,16 +107,17 @@ class MeshMaker {
     return static_cast<uint16_t>(std::min(found->second, mesh.names.size() - 1));
   }
 
-  void addTriangle(const PlacedShape& placed, const std::array<Vec3f, 3>& corners, const Rgb& colour) {
-    addTriangle(placed, corners, colour, mesh);
+  void addTriangle(const PlacedShape& placed, const std::array<Vec3f, 3>& corners, const Look& look) {
+    addTriangle(placed, corners, look, mesh);
   }
-  void addTriangle(const PlacedShape& placed, const std::array<Vec3f, 3>& corners, const Rgb& colour,
+  void addTriangle(const PlacedShape& placed, const std::array<Vec3f, 3>& corners, const Look& look,
                    SceneMesh& to) {
     for (const Vec3f& corner : corners) {
       const Vec3f p(transformPoint(placed.sceneFromShape, corner));
       to.positions.insert(to.positions.end(), {p.x, p.y, p.z});
     }
-    for (int c = 0; c < 3; ++c) to.colours.push_back(srgb(colour[c]));
+    for (int c = 0; c < 3; ++c) to.colours.push_back(srgb(look.albedo[c]));
+    to.specular.push_back(look.isSpecular);
     to.objects.push_back(object);
     ++to.before;
   }
@@ -121,7 +127,7 @@ class MeshMaker {
       const glm::uvec3& index = triangles.indices()[i];
       const auto& p = triangles.positions();
       addTriangle(placed, {p[index.x], p[index.y], p[index.z]},
-                  albedoAt(placed, placed.material, triangles.surfaceAt(i, HitParameters(Vec2f(1.0f / 3)))));
+                  lookAt(placed, placed.material, triangles.surfaceAt(i, HitParameters(Vec2f(1.0f / 3)))));
     }
   }
 
@@ -136,9 +142,9 @@ class MeshMaker {
         for (uint32_t j = 0; j < n; ++j) {
           const Vec3f a = at(face, i, j).position, b = at(face, i + 1, j).position,
                       c = at(face, i + 1, j + 1).position, d = at(face, i, j + 1).position;
-          const Rgb colour = albedoAt(placed, placed.material, at(face, i + 0.5, j + 0.5));
-          addTriangle(placed, {a, b, c}, colour);
-          addTriangle(placed, {a, c, d}, colour);
+          const Look look = lookAt(placed, placed.material, at(face, i + 0.5, j + 0.5));
+          addTriangle(placed, {a, b, c}, look);
+          addTriangle(placed, {a, c, d}, look);
         }
   }
 
@@ -147,7 +153,7 @@ class MeshMaker {
     for (const DicedTriangle& t : triangles) {
       const Material* material = isCompound ? placed.shape->materialAt(t.parameters) : placed.material;
       addTriangle(placed, t.corners,
-                  albedoAt(placed, material, placed.shape->surfaceAt(t.primitive, t.parameters)), to);
+                  lookAt(placed, material, placed.shape->surfaceAt(t.primitive, t.parameters)), to);
     }
   }
 
@@ -223,7 +229,7 @@ class ViewScale {
 SceneMesh simplified(const SceneMesh& mesh, const ViewScale& scale, double cellSize) {
   std::unordered_map<uint64_t, const float*> representatives;
   std::unordered_set<uint64_t> triangles;
-  SceneMesh out{{}, {}, {}, mesh.names, mesh.before, mesh.sampledShapes, mesh.curves, mesh.shownCurves};
+  SceneMesh out{{}, {}, {}, {}, mesh.names, mesh.before, mesh.sampledShapes, mesh.curves, mesh.shownCurves};
   for (size_t t = 0; t < mesh.triangles(); ++t) {
     std::array<uint64_t, 3> cells;
     std::array<const float*, 3> corners;
@@ -243,6 +249,7 @@ SceneMesh simplified(const SceneMesh& mesh, const ViewScale& scale, double cellS
     for (const float* c : corners) out.positions.insert(out.positions.end(), c, c + 3);
     out.colours.insert(out.colours.end(), &mesh.colours[3 * t], &mesh.colours[3 * t] + 3);
     out.objects.push_back(mesh.objects[t]);
+    out.specular.push_back(mesh.specular[t]);
   }
   return out;
 }
@@ -277,6 +284,7 @@ void append(const SceneMesh& more, SceneMesh& mesh) {
   mesh.positions.insert(mesh.positions.end(), more.positions.begin(), more.positions.end());
   mesh.colours.insert(mesh.colours.end(), more.colours.begin(), more.colours.end());
   mesh.objects.insert(mesh.objects.end(), more.objects.begin(), more.objects.end());
+  mesh.specular.insert(mesh.specular.end(), more.specular.begin(), more.specular.end());
   mesh.before += more.before;
 }
 

@@ -15,6 +15,7 @@ struct SceneMesh {
   std::vector<float> positions;   ///< nine for each triangle
   std::vector<uint8_t> colours;   ///< three for each triangle: albedo of its middle, as sRGB
   std::vector<uint16_t> objects;  ///< object of each triangle, an index of `names`
+  std::vector<uint8_t> specular;  ///< of each triangle: 1: mirror or clear glass, which stores no photons
   std::vector<std::string> names; ///< names of objects
   size_t before = 0;              ///< triangles before the mesh was simplified
   size_t sampledShapes = 0;       ///< shapes without faces, diced by rays through a grid

@@ -259,10 +259,12 @@ class SceneView {
     return { point: hit.point, normal, faceIndex: hit.faceIndex };
   }
 
-  /** Surface at a position of the window: point, unit normal towards the viewer, name; null if there is none. */
+  /** Surface at a position of the window: point, unit normal towards the viewer, name, whether it is a mirror or clear
+   * glass; null if there is none. */
   pick(clientX, clientY) {
     const hit = this.firstHit(this.surface, clientX, clientY);
-    return hit ? { ...hit, name: this.mesh.names[this.mesh.objects[hit.faceIndex]] } : null;
+    return hit ? { ...hit, name: this.mesh.names[this.mesh.objects[hit.faceIndex]],
+      isSpecular: this.mesh.specular[hit.faceIndex] === 1 } : null;
   }
 
   /** Replaces the object of that name; null removes it. */
