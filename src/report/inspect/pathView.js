@@ -67,11 +67,11 @@ class PixelPaths {
   /** Word of a path: L, the events from the light on, E, with the names of lights and surfaces as far as they are
    * known. An unknown number of events of photons is one letter. */
   lettersOf({ technique, steps, vertices, lightVertices }, lamp) {
-    const namesOf = (vertex) => vertex[7].map((name) => this.names[name]);
+    const namesOf = (vertex) => vertex ? vertex[7].map((name) => this.names[name]) : null;
     // The event of a vertex next to the light is that of the start, which is none.
     const light = lightVertices.slice(0, -2).map((v) => ({ letter: v[1], names: null })).reverse();
     const events = steps.map((s) => ({ letter: s[1], names: namesOf(this.pixel.vertices[s[0]]) })).reverse();
-    const last = vertices.at(-1), at = last && { letter: last[5] ? "V" : "D", names: namesOf(last) };
+    const last = vertices.at(-1), at = { letter: last?.[5] ? "V" : "D", names: namesOf(last) };
     const L = { letter: "L", names: lamp >= 0 ? [this.lamps[lamp]] : null }, E = { letter: "E", names: null };
     if (technique === "hit") return [L, ...events, E];
     if (technique === "light sample") return [L, at, ...events, E];
