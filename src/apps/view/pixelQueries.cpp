@@ -64,6 +64,9 @@ std::shared_ptr<Inspection> PixelQueries::inspectionOf(const PixelQuestion& now,
   pause.record(pixel.x, pixel.y, RECORDED_SAMPLES, pixel.record);
   inspection->pixels.push_back(std::move(pixel));
   const Integrator& integrator = pause.integrator();
+  if (const std::vector<LampGroup> lamps = lampGroups(scene);
+      lamps.size() == 1 && !integrator.addsLightOfNoLamp())
+    inspection->lamps = {lamps.front().name};
   inspection->photons = photonsOf(integrator, SHOWN_PHOTONS, inspection->photonsInMap);
   inspection->kinds = surfaceKindsOf(scene, classes, inspection->photons);
   inspection->shownPhotons = SHOWN_PHOTONS;

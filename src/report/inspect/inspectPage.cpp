@@ -49,19 +49,28 @@ int firstOf(LayerMask mask, size_t first, size_t count) {
   return range == 0 ? -1 : std::countr_zero(range);
 }
 
+/** Number of classes, without the layers of frames. */
+size_t classCount(const PathClasses& classes) {
+  return classes.isTransient() ? 1 : std::min<size_t>(classes.layerCount(), 64);
+}
+
 /** What the mask of a path says: its class on the page, its lamp, its depth. */
 class MaskReader {
  public:
   MaskReader(const PathClasses& classes, const Inspection& inspection)
-      : shown(inspection.shownClasses ? inspection.shownClasses : classes.layerCount()),
+      : shown(inspection.shownClasses ? inspection.shownClasses : classCount(classes)),
         lamps(inspection.lamps.size()), depths(inspection.depths),
-        lampClasses(classes.layerCount() - shown - depths) {}
+        lampClasses(inspection.shownClasses ? classes.layerCount() - shown - depths : 0) {
+    for (size_t i = 0; i < shown; ++i)
+      if (classes.classes()[i].expression != "all") telling |= LayerMask(1) << i;
+  }
 
   /** A render of one class says nothing. */
   bool hasClasses() const { return shown > 1; }
   size_t shownClasses() const { return shown; }
+  /** The first class of a path that is not the class of all paths. */
   uint8_t classOf(LayerMask mask) const {
-    const int found = hasClasses() ? firstOf(mask, 0, shown) : -1;
+    const int found = hasClasses() ? firstOf(mask & telling, 0, shown) : -1;
     return found < 0 ? NO_CLASS : static_cast<uint8_t>(found);
   }
   /** Index of the lamp; -1: not known. */
@@ -76,6 +85,7 @@ class MaskReader {
 
  private:
   size_t shown, lamps, depths, lampClasses;
+  LayerMask telling = 0; ///< shown classes that do not have all paths
 };
 
 Json meshJson(const SceneMesh& mesh) {
@@ -423,7 +433,7 @@ std::vector<SurfaceKind> surfaceKindsOf(const Scene& scene, const PathClasses& c
 std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
                              const std::string& photonPaths, const std::vector<SurfaceKind>& kinds,
                              size_t shown) {
-  if (shown == 0) shown = classes.layerCount();
+  if (shown == 0) shown = classCount(classes);
   const LayerMask isShown = ~LayerMask(0) >> (64 - std::min<size_t>(shown, 64));
   LayerMask all = 0;
   for (size_t i = 0; i < photons.size(); ++i) {
