@@ -604,6 +604,20 @@ class Names(OfflinePage):
         self.change("filter", "value", "L'ball'E")
         self.assertIn("it is a surface", self.text("#filterReason"))
 
+    def test3SurfacesOfLightPathsHaveNames(self):
+        recurse("inspect", self.scene, "-o", self.page, "-q", "--integrator", "bdpt", "--spp", "4096", "--path-samples", "4096",
+                "--pixel", "9,16")
+        browser.open(self.page, "document.body.dataset.ready === 'yes'")
+        data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+        named = [[data["names"][i] for i in v[4]] for v in data["pixels"][0]["lightVertices"] if v[4]]
+        self.assertIn(["ball"], named)
+        # Balls light the floor; a floor lights no floor.
+        def words(filter):
+            self.change("filter", "value", filter)
+            return [w for w in self.texts("#contributions tr td:nth-child(2)") if len(w) == 4]
+        self.assertGreater(len(words("LD'ball'D'floor'E")), 0)
+        self.assertEqual(words("LD'floor'D'floor'E"), [])
+
 
 class ShapesWithoutFaces(OfflinePage):
     """A page of metaballs, a csg and curves far before a horizon."""

@@ -155,6 +155,19 @@ std::string lobeName(LobeSet lobe) {
   return "reflection";
 }
 
+/** Surface at a point of it, seen from the unit direction `from`; empty: none is that near. */
+std::optional<Hit> surfaceNear(const Scene& scene, const Vec3f& point, const Vec3f& from) {
+  constexpr float NEAR = 1e-4f; // fraction of the scene's radius
+  const float distance = NEAR * scene.bounds().radius;
+  Ray ray;
+  ray.origin = point + distance * from;
+  ray.direction = -from;
+  ray.tMax = 2 * distance;
+  Hit hit;
+  if (!scene.intersect(ray, hit)) return {};
+  return hit;
+}
+
 /** Record of one pixel. Indices refer to entries of the same pixel. Each kind of entry is a list of lists,
  * whose columns pathView.js defines. */
 class PixelJson {
@@ -178,7 +191,8 @@ class PixelJson {
       out["estimates"].push_back({e.vertex, e.caustic, shortened(double(e.radius)), e.photons});
     for (const RecordedContribution& c : record.contributions())
       out["contributions"].push_back(contribution(c));
-    for (const RecordedLightVertex& v : record.lightVertices) out["lightVertices"].push_back(lightVertex(v));
+    for (const RecordedLightVertex& v : record.lightVertices)
+      out["lightVertices"].push_back(lightVertex(v, record.lightVertices));
     return out;
   }
 
@@ -199,15 +213,27 @@ class PixelJson {
   }
   /** Names by which expressions know the surface. */
   Json namesOf(const RecordedVertex& v) {
+    return v.inMedium ? Json::array() : surfaceNames(v.object, v.material);
+  }
+  Json surfaceNames(uint32_t object, const Material* material) {
     Json out = Json::array();
-    if (v.inMedium) return out;
-    for (const std::string& name : names.objects[v.object]) out.push_back(table.index(name));
-    for (const std::string& name : names.materials[v.material ? v.material->number : 0])
+    for (const std::string& name : names.objects[object]) out.push_back(table.index(name));
+    for (const std::string& name : names.materials[material ? material->number : 0])
       out.push_back(table.index(name));
     return out;
   }
-  Json lightVertex(const RecordedLightVertex& v) {
-    return {v.previous, std::string(1, "SDV"[size_t(v.event)]), numbers(v.position), numbers(v.flux)};
+  Json lightVertex(const RecordedLightVertex& v, const std::vector<RecordedLightVertex>& all) {
+    return {v.previous, std::string(1, "SDV"[size_t(v.event)]), numbers(v.position), numbers(v.flux),
+            namesOf(v, all)};
+  }
+  /** Names of the surface of a light path's vertex; null if they are not known. */
+  Json namesOf(const RecordedLightVertex& v, const std::vector<RecordedLightVertex>& all) {
+    if (v.kind == LightVertexKind::MEDIUM) return Json::array();
+    if (v.kind != LightVertexKind::SURFACE || v.previous < 0) return nullptr;
+    const Vec3f back = all[size_t(v.previous)].position - v.position;
+    if (!(glm::length(back) > 0)) return nullptr;
+    const std::optional<Hit> hit = surfaceNear(scene, v.position, glm::normalize(back));
+    return hit ? surfaceNames(hit->object, hit->material) : Json(nullptr);
   }
   Json contribution(const RecordedContribution& c) {
     const RecordedSource& s = c.source;
@@ -234,18 +260,12 @@ class PixelJson {
 
 int8_t signedByte(float x) { return static_cast<int8_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 127)); }
 
-/** Kind of the surface that is at a point, seen along the unit direction `from` it. */
+/** Kind of the surface at a point, seen from the unit direction `from`. */
 SurfaceKind surfaceKindAt(const Scene& scene, const PathClasses& classes, const Vec3f& point,
                           const Vec3f& from) {
-  constexpr float NEAR = 1e-4f; // fraction of the scene's radius
-  const float distance = NEAR * scene.bounds().radius;
-  Ray ray;
-  ray.origin = point + distance * from;
-  ray.direction = -from;
-  ray.tMax = 2 * distance;
-  Hit hit;
-  if (!scene.intersect(ray, hit)) return SurfaceKind();
-  return classes.surfaceKind(hit.object, hit.material ? hit.material->number : 0);
+  const std::optional<Hit> hit = surfaceNear(scene, point, from);
+  if (!hit) return SurfaceKind();
+  return classes.surfaceKind(hit->object, hit->material ? hit->material->number : 0);
 }
 
 /** Classes of a photon on a surface, whose path goes on by DE. */

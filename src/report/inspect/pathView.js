@@ -69,14 +69,15 @@ class PixelPaths {
   lettersOf({ technique, steps, vertices, lightVertices }, lamp) {
     const namesOf = (vertex) => vertex ? vertex[7].map((name) => this.names[name]) : null;
     // The event of a vertex next to the light is that of the start, which is none.
-    const light = lightVertices.slice(0, -2).map((v) => ({ letter: v[1], names: null })).reverse();
+    const named = (names) => names?.map((name) => this.names[name]) ?? null;
+    const light = lightVertices.slice(0, -2).map((v, k) => ({ letter: v[1], names: named(lightVertices[k + 1][4]) })).reverse();
     const events = steps.map((s) => ({ letter: s[1], names: namesOf(this.pixel.vertices[s[0]]) })).reverse();
     const last = vertices.at(-1), at = { letter: last?.[5] ? "V" : "D", names: namesOf(last) };
     const L = { letter: "L", names: lamp >= 0 ? [this.lamps[lamp]] : null }, E = { letter: "E", names: null };
     if (technique === "hit") return [L, ...events, E];
     if (technique === "light sample") return [L, at, ...events, E];
     if (technique === "merge") return [L, ...(lightVertices.length > 0 ? light : [UNKNOWN]), at, ...events, E];
-    if (technique === "connection") return [L, ...light, { letter: "D", names: null }, at, ...events, E];
+    if (technique === "connection") return [L, ...light, { letter: "D", names: named(lightVertices[0]?.[4]) }, at, ...events, E];
     return [L, UNKNOWN, E];
   }
 
