@@ -10,6 +10,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <regex>
 #include <vector>
 
 #include <unistd.h>
@@ -112,6 +113,16 @@ std::string unexpectedText(const CLI::App& command, const std::vector<std::strin
   return (words.size() == 1 ? "unexpected argument: " : "unexpected arguments: ") + list;
 }
 
+/** The message of CLI11, in plain words where an option is repeated that may be given once. */
+std::string plainText(const CLI::ParseError& error) {
+  static const std::regex REPEATED("(--?[^:]+): At Most 1 required but received (\\d+)");
+  const std::string text = error.what();
+  std::smatch found;
+  if (!std::regex_match(text, found, REPEATED)) return text;
+  return found[1].str() + ": given " + (found[2] == "2" ? "twice" : found[2].str() + " times") +
+         "; accepted: once";
+}
+
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
@@ -167,7 +178,7 @@ ExitStatus run(int argc, char** argv) {
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
     const bool isUnexpected = dynamic_cast<const CLI::ExtrasError*>(&error);
-    const std::string message = isUnexpected ? unexpectedText(*at, app.remaining(true)) : error.what();
+    const std::string message = isUnexpected ? unexpectedText(*at, app.remaining(true)) : plainText(error);
     return sayError(message + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
   }
   return chosen();

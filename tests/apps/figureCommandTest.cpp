@@ -41,6 +41,15 @@ TEST_F(FigureProgram, EachKindIsAPicture) {
   }
 }
 
+TEST_F(FigureProgram, InspectSaysWarningsOnce) {
+  const Outcome o = run({"inspect", "scene.pbrt", "-o", "look.html", "--integrator", "mlt", "--spp", "1",
+                         "--path-samples", "1", "--reference-samples", "0"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const size_t first = o.err.find("is rendered by \"path\"");
+  ASSERT_NE(first, std::string::npos) << o.err;
+  EXPECT_EQ(o.err.find("is rendered by \"path\"", first + 1), std::string::npos) << o.err;
+}
+
 TEST_F(FigureProgram, WritesSvg) {
   const Outcome o = run({"figure", "samplings", "scene.pbrt", "-o", "s.svg", "--spp", "2", "-q"});
   ASSERT_EQ(o.status, 0) << o.err;

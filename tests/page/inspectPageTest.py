@@ -5,7 +5,10 @@ It must load without errors and without any network, draw the scene, and answer 
 
 import base64
 import functools
+import itertools
 import json
+import os
+import re
 import struct
 import subprocess
 import time
@@ -15,8 +18,9 @@ import browser as chromium
 
 chromium.FLAGS = [flag for flag in chromium.FLAGS if flag != "--disable-gpu"] + chromium.WEBGL_FLAGS
 
-from pageTest import SCENE, OfflinePage, browser, main, recurse  # noqa: E402 (the browser starts at once)
+from pageTest import PROGRAM, SCENE, OfflinePage, browser, main, recurse  # noqa: E402 (the browser starts at once)
 
+EXPRESSION_SCRIPT = os.path.join(os.path.dirname(SCENE), "..", "..", "src", "report", "inspect", "pathExpression.js")
 PIXELS = [(24, 40), (4, 30), (44, 30)]
 REFERENCE = (44, 30)  # on a matt wall
 
@@ -96,7 +100,9 @@ class InspectPage(OfflinePage):
         self.assertLessEqual(set(words), {"LDE", "L…DE"})
         self.change("filter", "value", "L(")
         self.assertTrue(browser.evaluate("document.getElementById('filter').classList.contains('bad')"))
+        self.assertIn("column 3: the expression ends too early", self.text("#filterReason"))
         self.change("filter", "value", "")
+        self.assertTrue(browser.evaluate("document.getElementById('filterReason').hidden"))
         whole = self.segments()
         browser.click("document.querySelectorAll('#contributions tr')[1]")
         self.assertLess(self.segments(), whole)
@@ -105,6 +111,74 @@ class InspectPage(OfflinePage):
         browser.click("document.querySelector('#classes input')")
         self.assertLess(len(self.texts("#contributions tr")) - 1, len(self.data["pixels"][1]["contributions"]))
         browser.click("document.querySelector('#classes input')")
+
+    def words(self, filter):
+        self.change("filter", "value", filter)
+        self.assertEqual(self.text("#filterReason"), "", filter)
+        return self.texts("#contributions tr td:nth-child(2)")
+
+    def test4FiltersAreExpressionsOfClasses(self):
+        self.clickPixel(*PIXELS[1])
+        whole = self.words("")
+        # Paths with unknown events may be on both sides.
+        known = lambda words: sorted(word for word in words if "…" not in word)
+        inside, outside = self.words("LDE"), self.words("!(LDE)")
+        self.assertEqual(known(inside + outside), known(whole))
+        self.assertEqual(set(inside + outside), set(whole))
+        self.assertEqual(known(inside), ["LDE"] * whole.count("LDE"))
+        self.assertGreater(len(known(outside)), 0)
+        for filter, isIn in {"L[SD]*DE": lambda w: w.endswith("DE"), "L[^S]*E": lambda w: "S" not in w,
+                             "L.*E - LDE": lambda w: w != "LDE", "caustic": lambda w: re.fullmatch("LS+DS*E", w),
+                             "direct & LDE": lambda w: w in ("LDE", "L…DE")}.items():
+            found = self.words(filter)
+            self.assertLessEqual({w for w in whole if "…" not in w and isIn(w)}, set(found), filter)
+            self.assertTrue(all("…" in w or isIn(w) for w in found), filter)
+        lamp = self.data["lamps"][0]
+        self.assertEqual(sorted(self.words(f"L'{lamp}'.*E")), sorted(whole))
+        # The surface that the pixel shows.
+        pixel = self.data["pixels"][PIXELS.index(PIXELS[1])]
+        seen = self.data["names"][pixel["vertices"][0][7][0]]
+        self.assertEqual(set(self.words(f"L.*D'{seen}'E")), {w for w in whole if w.endswith("DE")})
+        other = next(name for name in self.data["surfaceNames"]
+                     if name not in [self.data["names"][i] for i in pixel["vertices"][0][7]])
+        self.assertFalse([w for w in self.words(f"L.*D'{other}'E")])
+        self.change("filter", "value", "L'nosuch'DE")
+        self.assertIn("the scene has no light named 'nosuch'; accepted: '", self.text("#filterReason"))
+        self.change("filter", "value", "")
+
+    def test4TheSegmentFromTheCameraIsHiddenInItsView(self):
+        self.clickPixel(*PIXELS[1])
+        browser.click("document.querySelector('[data-view=top]')")
+        self.assertEqual(browser.evaluate("document.getElementById('view').dataset.segmentsFromCamera"), "shown")
+        browser.click("document.querySelector('[data-view=camera]')")
+        self.assertEqual(browser.evaluate("document.getElementById('view').dataset.segmentsFromCamera"), "hidden")
+
+    def test5PhotonsAreColouredByDepth(self):
+        depths = self.decoded("photons", "depths", type="B")
+        kinds = self.decoded("photons", "kinds", type="B")
+        self.assertEqual(self.data["depths"], 8)
+        self.assertLessEqual(set(depths), set(range(1, 9)))
+        # Classes of one length have the depth of that length.
+        known = {"direct-diffuse": 1, "interreflection-1": 2, "interreflection-2": 3, "interreflection-3": 4}
+        names = [c["name"] for c in self.data["classes"]]
+        counted = 0
+        for depth, kind in zip(depths, kinds):
+            expected = known.get(names[kind & 127]) if kind & 127 < len(names) else None
+            if expected is not None:
+                self.assertEqual(depth, expected)
+                counted += 1
+        self.assertGreater(counted, 100)
+        self.change("showPhotons", "checked", True)
+        colours = self.colours()
+        self.change("photonColour", "value", "depth")
+        self.assertGreater(self.colours(), 10)
+        legend = self.texts("#depthLegend li")
+        self.assertEqual(sum(int(text.split(": ")[1]) for text in legend), len(depths))
+        self.assertEqual(len(legend), len(set(depths)))
+        self.change("photonColour", "value", "class")
+        self.assertTrue(browser.evaluate("document.getElementById('depthLegend').hidden"))
+        self.change("showPhotons", "checked", False)
+        self.assertGreater(colours, 10)
 
     def test5AClickOnASurfaceWorksTheEstimateOut(self):
         self.change("showPhotons", "checked", True)
@@ -248,6 +322,73 @@ class InspectPage(OfflinePage):
             self.assertEqual(browser.evaluate("document.getElementById('atPixel').disabled"), pixel not in known)
 
 
+# Expressions that `recurse classes` accepts, and some that it refuses.
+EXPRESSIONS = ["LE", "LDE", "L[SD]*DE", "L[^S]*E", "!(LDE)", "L.*E - LDE", "L(S|D)*E", "LS+DS*E", "L[LS+|LD]E", "L[S|D]E",
+               "L.{2,3}E", "L(SD){2}E", "LD{2,}E", "caustic", "all - direct", "direct & LDE", "!!LDE", "!direct",
+               "L.*E & !(L.*SE) & !(LE)", "(LDE - LSE) | LE", "L(D|S?)*E", "L(S*)(D*)E", "L (S | D) * E", "L(D*S)?(.|DD)E",
+               "LV+E", "L[^SD]*E", "L[VSD]*E", "L((((D))))E", "medium", "sds", "all - (LE|LDE|LS+E)", "(L|LD)(E|SE)",
+               "L(S{0}D){1,2}E", "LLE", "LDE|LSE & LE", "![LDE|LSE]", "all", "L(.D)*E - !(L.*DE)"]
+NAMED = ["L'lamp'DE", "L'lamp'.*E", "L[^D'floor']*E", "LD'floor'[SD]*E", "!(L'lamp'DE)", "L[S'pane'D]*E", "L.*E - L'it''s'.*E",
+         "L'a'(D|S'b')*E", "L D 'floor' E", "L[^SD'floor']*E"]
+REFUSED = ["L(", "L)E", "LDE)", "", "L**E", "L(D", "*E", "L[SD", "L[]E", "L[^]E", "L[^SDV]E", "L[^S|D]E", "L{2", "L{2E", "LD{}E",
+           "LD{3,2}E", "LD{1001}E", "LD{2}{3}E", "LD+?E", "LXE", "lde", "L1E", "L^DE", "LDE$", "LD}E", "L|", "|LE", "LE &", "- LE",
+           "LE - LDE | LSE", "LE | LDE - LSE", "directE", "direct*", "L!DE", "'lamp'LE", "LD'floorE", "LV'fog'E", "LE'eye'",
+           "nosuchclass", "Lü", "L[(S)]E", "L(LE & LDE", "ü" * 3, "L D\t E ]"]
+
+
+class Expressions(OfflinePage):
+    """The page reads path expressions as the program does."""
+
+    @classmethod
+    def make(cls):
+        cls.page = cls.temporary.name + "/page.html"
+        recurse("inspect", SCENE, "-o", cls.page, "-q", "--integrator", "path", "--spp", "1", "--resolution", "8x8")
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+        with open(EXPRESSION_SCRIPT, encoding="utf-8") as file:
+            browser.evaluate(file.read() + "Object.assign(globalThis, { PathExpression, wordOf }); 0")
+
+    def inPage(self, expression, words):
+        """Which words the expression contains; a pair [column, reason] if it is refused."""
+        return browser.evaluate(
+            "(() => { const data = JSON.parse(document.getElementById('data').textContent);"
+            "try { const e = new PathExpression(%s, { lights: null, surfaces: null, classes: data.namedClasses });"
+            "return %s.map((w) => e.contains(wordOf(w))); } catch (error) { return [error.column, error.reason]; } })()"
+            % (json.dumps(expression), json.dumps(words)))
+
+    def inProgram(self, expression, events):
+        text = recurse("classes", "x=" + expression, "--events", str(events), "--examples", "1000").split("\n\n")[0]
+        return {word for line in re.findall(r"^  \d+ events?:(.*)$", text, re.MULTILINE)
+                for word in re.findall(r"L(?:'(?:[^']|'')*')?[^ ]*?E(?= |$)", line)}
+
+    def compare(self, expression, names, events):
+        lights = ["L"] + [f"L'{name}'" for name in names]
+        surfaces = ["S", "D", "V"] + [f"{letter}'{name}'" for name in names for letter in "SD"]
+        words = [light + "".join(path) + "E" for light in lights for n in range(events + 1)
+                 for path in itertools.product(surfaces, repeat=n)]
+        found = self.inPage(expression, words)
+        self.assertEqual(len(found), len(words), f"{expression}: {found[:2]}")
+        self.assertEqual({w for w, isIn in zip(words, found) if isIn}, self.inProgram(expression, events), expression)
+
+    def test1TheSameWords(self):
+        for expression in EXPRESSIONS:
+            self.compare(expression, [], 4)
+
+    def test2TheSameWordsWithNames(self):
+        for expression in NAMED:
+            names = sorted({name for name in re.findall(r"'((?:[^']|'')*)'", expression)})
+            self.compare(expression, names, 2)
+
+    def test3TheSameReasons(self):
+        for expression in REFUSED:
+            with self.assertRaises(subprocess.CalledProcessError) as refused:
+                subprocess.run([PROGRAM, "classes", "--", expression], check=True, capture_output=True, text=True)
+            expected = re.search(r"path expression, column (\d+): ([^\n]*)", refused.exception.stderr)
+            self.assertIsNotNone(expected, f"{expression}: {refused.exception.stderr}")
+            found = self.inPage(expression, ["LE"])
+            self.assertEqual(found[0], int(expected[1]), f"{expression}: {found[1]} | {expected[2]}")
+            self.assertEqual(found[1], re.sub("; is it '.*'[?]$", "", expected[2]), expression)
+
+
 FLOOR = """
 Film "rgb" "integer xresolution" 32 "integer yresolution" 32
 LookAt 0 0 6  0 0 0  0 1 0
@@ -278,6 +419,18 @@ class EdgesOfAFloor(OfflinePage):
         browser.settle()
 
     change, clickPixel, estimateRows = InspectPage.change, InspectPage.clickPixel, InspectPage.estimateRows
+
+    def test3AMirrorStoresNoPhotons(self):
+        scene = self.temporary.name + "/mirror.pbrt"
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(FLOOR + 'Material "conductor"\nShape "disk" "float radius" .5 "float height" .5\n')
+        page = self.temporary.name + "/mirror.html"
+        recurse("inspect", scene, "-o", page, "-q", "--integrator", "simplephotonmap", "--photons", "5k", "--spp", "1",
+                "--reference-samples", "0")
+        browser.open(page, "document.body.dataset.ready === 'yes'")
+        browser.clickAt(*browser.evaluate("(() => { const b = document.getElementById('view').getBoundingClientRect();"
+                                          "return [b.left + b.width / 2, b.top + .5 * b.height]; })()"))
+        self.assertIn("none are stored here", self.estimateRows()["photons"])
 
     def coverage(self, radius, left, wall):
         """Fraction of the kernel on the floor: distances to its nearest edge across x, and to a wall across y."""
@@ -437,6 +590,140 @@ class LightPathsOfBothSides(OfflinePage):
         self.open("path")
         for name in ("flightPanel", "boxPanel", "photonTools"):
             self.assertTrue(browser.evaluate(f"document.getElementById('{name}').hidden"), name)
+
+
+LAMPS = """
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+LookAt 0 0 6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "point" "string name" "left" "point3 from" [ -3 0 3 ] "rgb I" [ 9 1 1 ]
+LightSource "point" "string name" "right" "point3 from" [ 3 0 3 ] "rgb I" [ 1 1 9 ]
+Material "diffuse"
+Shape "trianglemesh" "string name" "floor" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "sphere" "string name" "ball" "float radius" .7
+"""
+
+
+class Names(OfflinePage):
+    """Classes and filters name lamps and surfaces."""
+
+    @classmethod
+    def make(cls):
+        cls.scene, cls.page = cls.temporary.name + "/lamps.pbrt", cls.temporary.name + "/page.html"
+        with open(cls.scene, "w", encoding="utf-8") as file:
+            file.write(LAMPS)
+        recurse("inspect", cls.scene, "-o", cls.page, "-q", "--integrator", "simplephotonmap", "--photons", "20k", "--spp", "4",
+                "--path-samples", "4", "--class", "b=LD'floor'E", "--class", "r=L'right'.*D'ball'E", "--pixel", "16,16",
+                "--pixel", "6,16")
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+        cls.data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+
+    def setUp(self):
+        browser.settle()
+
+    change, decoded, clickPixelOf = InspectPage.change, InspectPage.decoded, EdgesOfAFloor.clickPixelOf
+
+    def test1PhotonsHaveTheClassesOfTheirSurfaces(self):
+        self.assertEqual([c["name"] for c in self.data["classes"]], ["b", "r", "rest"])
+        positions = self.decoded("photons", "positions", type="f")
+        kinds, depths = self.decoded("photons", "kinds", type="B"), self.decoded("photons", "depths", type="B")
+        counts = [0, 0, 0]
+        for i, kind in enumerate(kinds):
+            p = [positions[3 * i + k] + self.data["origin"][k] for k in range(3)]
+            onBall = sum(x * x for x in p) ** 0.5 < 0.701 and p[2] > 1e-3
+            counts[kind & 127] += 1
+            if kind & 127 == 0:
+                self.assertFalse(onBall)
+                self.assertEqual(depths[i], 1)
+            if kind & 127 == 1:
+                self.assertTrue(onBall)
+            if kind & 127 == 2 and not onBall:
+                self.assertGreater(depths[i], 1)
+        self.assertGreater(min(counts), 20)
+
+    def test2FiltersByLamp(self):
+        recurse("inspect", self.scene, "-o", self.page, "-q", "--integrator", "path", "--spp", "4", "--path-samples", "4",
+                "--pixel", "16,16", "--pixel", "6,16")
+        browser.open(self.page, "document.body.dataset.ready === 'yes'")
+        self.clickPixelOf(6, 16)
+        both = 0
+        whole = len(self.texts("#contributions tr")) - 1
+        for lamp in ("left", "right"):
+            self.change("filter", "value", f"L'{lamp}'.*E")
+            self.assertEqual(self.text("#filterReason"), "")
+            both += len(self.texts("#contributions tr")) - 1
+        self.assertEqual(both, whole)
+        self.change("filter", "value", "L.*D'ball'E")
+        self.assertEqual(len(self.texts("#contributions tr")) - 1, 0)
+        self.clickPixelOf(16, 16)
+        self.assertGreater(len(self.texts("#contributions tr")) - 1, 0)
+        self.change("filter", "value", "L'ball'E")
+        self.assertIn("it is a surface", self.text("#filterReason"))
+
+    def test3SurfacesOfLightPathsHaveNames(self):
+        recurse("inspect", self.scene, "-o", self.page, "-q", "--integrator", "bdpt", "--spp", "4096", "--path-samples", "4096",
+                "--pixel", "9,16")
+        browser.open(self.page, "document.body.dataset.ready === 'yes'")
+        data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+        named = [[data["names"][i] for i in v[4]] for v in data["pixels"][0]["lightVertices"] if v[4]]
+        self.assertIn(["ball"], named)
+        # Balls light the floor; a floor lights no floor.
+        def words(filter):
+            self.change("filter", "value", filter)
+            return [w for w in self.texts("#contributions tr td:nth-child(2)") if len(w) == 4]
+        self.assertGreater(len(words("LD'ball'D'floor'E")), 0)
+        self.assertEqual(words("LD'floor'D'floor'E"), [])
+
+
+class ShapesWithoutFaces(OfflinePage):
+    """A page of metaballs, a csg and curves far before a horizon."""
+
+    @classmethod
+    def make(cls):
+        scene, cls.page = cls.temporary.name + "/shapes.pbrt", cls.temporary.name + "/page.html"
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write("""
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+LookAt 0 0 6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "point" "point3 from" [ 0 0 6 ] "rgb I" [ 30 30 30 ]
+Material "diffuse"
+Shape "disk" "float radius" 50000 "float height" -2
+Material "diffuse" "rgb reflectance" [ .8 .1 .1 ]
+Shape "metaballs" "point3 P" [ -.5 0 0  .5 0 0 ] "float radius" 1.5
+Shape "curve" "point3 P" [ -2 -2 0  -2 -1 0  -2 1 0  -2 2 0 ] "float width" .2
+""")
+        recurse("inspect", scene, "-o", cls.page, "-q", "--integrator", "path", "--spp", "1", "--pixel", "16,16")
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+        cls.data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+
+    colours = InspectPage.colours
+
+    def redness(self):
+        """Fraction of the view that is red."""
+        return browser.evaluate(
+            "(() => { const v = document.getElementById('view'), c = document.createElement('canvas').getContext('2d');"
+            "c.canvas.width = c.canvas.height = 64; c.drawImage(v, 0, 0, 64, 64);"
+            "const d = c.getImageData(0, 0, 64, 64).data; let n = 0;"
+            "for (let i = 0; i < d.length; i += 4) n += d[i] > 60 && d[i] > 2 * d[i + 1];"
+            "return n / 4096; })()")
+
+    def test1TheyAreDrawnAndThePageSaysHow(self):
+        self.assertIn("Approximated by a grid: 1 shape without faces.", self.text("#simplified"))
+        browser.evaluate("(() => { const e = document.getElementById('showPaths'); e.checked = false;"
+                         "e.dispatchEvent(new Event('input')); })()")
+        browser.settle()
+        self.assertGreater(self.redness(), 0.05)
+
+    def test2TheViewsAreOfWhatTheCameraSees(self):
+        for name in ("top", "front", "side"):
+            browser.click(f"document.querySelector('[data-view={name}]')")
+            self.assertGreater(self.redness(), 5e-4, name)
+        browser.click("document.querySelector('[data-view=camera]')")
+        browser.settle()
+        self.assertGreater(self.redness(), 0.05)
 
 
 class LimitOfPhotons(OfflinePage):

@@ -164,7 +164,17 @@ class LivePage(Page):
         self.inFrame("d.getElementById('contributions').rows[1].click()")
         self.assertEqual(self.inFrame("d.getElementById('vertices').rows[1].cells[1].textContent"), "camera")
         self.assertGreater(self.inFrame("Number(d.getElementById('view').dataset.segments)"), 0)
-        # A second pixel has different paths; the render has continued.
+        # The page finds the classes of paths itself, which the render does not have, and the only lamp.
+        names = self.inFrame("[...d.querySelectorAll('#classes li')].map((li) => li.textContent)")
+        self.assertTrue(any(name.startswith("direct-diffuse") for name in names), names)
+        self.assertGreater(len(names), 1)
+        lamp = data["lamps"][0]
+        for text, part in ((f"L'{lamp}'.*E", rows), ("!all", 1), ("L'nosuch'E", rows)):
+            self.inFrame("(() => { const f = d.getElementById('filter'); f.value = %s;"
+                         "f.dispatchEvent(new d.defaultView.Event('input')); })()" % json.dumps(text))
+            self.assertEqual(self.inFrame("d.getElementById('contributions').rows.length"), part, text)
+        self.assertIn("no light named", self.inFrame("d.getElementById('filterReason').textContent"))
+        # Another pixel has other paths; the render has gone on.
         other = self.askPixel(20, 9)["pixels"][0]
         self.assertNotEqual(other["samples"], pixel["samples"])
         before = self.render.state()["samples_per_pixel"]
@@ -172,6 +182,16 @@ class LivePage(Page):
         browser.click("document.getElementById('closePaths')")
         self.assertTrue(browser.evaluate("document.getElementById('paths').hidden"))
         self.assertEqual(browser.complaints, [])
+
+    def testAClassOfTheRenderIsAClassOfThePage(self):
+        self.render.close()
+        self.render = Render("--live", "--class", "lampy=LDE")
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        self.askPixel(9, 24)
+        names = self.inFrame("[...d.querySelectorAll('#classes li')].map((li) => li.textContent)")
+        self.assertEqual(len(names), 2, names)
+        self.assertTrue(any(name.startswith("lampy") for name in names), names)
+        self.assertTrue(any(name.startswith("other") for name in names), names)
 
     def testQuestionsAreChecked(self):
         until(lambda: self.render.state()["version"] > 0)

@@ -3,6 +3,7 @@
  */
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "recurse/pathclasses/pathExpression.h"
@@ -70,14 +71,96 @@ TEST(SceneMesh, IsSimplifiedToTheLimit) {
   EXPECT_GT(boundsOf(mesh).diagonal().x, 3);
 }
 
-TEST(SceneMesh, CurvesAreBoxes) {
-  const auto scene =
-      sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
-                "Shape \"curve\" \"point3 P\" [ 0 0 0  1 0 0  2 1 0  3 1 0 ] \"float width\" .1\n");
+TEST(SceneMesh, CurvesAreTubesAroundTheirAxes) {
+  const auto scene = sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
+                               "Shape \"curve\" \"point3 P\" [ 0 1 0  1 1 0  2 1 0  3 1 0 ] \"float width\" .2\n");
   const SceneMesh mesh = meshOf(*scene, 1000);
-  EXPECT_EQ(mesh.triangles(), 0u);
-  ASSERT_EQ(mesh.boxes.size(), 1u);
-  EXPECT_GT(mesh.boxes[0].diagonal().x, 2.9f);
+  EXPECT_EQ(mesh.curves, 1u);
+  EXPECT_EQ(mesh.shownCurves, 1u);
+  ASSERT_GT(mesh.triangles(), 20u);
+  const Vec3d origin = scene->origin();
+  for (size_t i = 0; i < mesh.positions.size(); i += 3) {
+    const Vec3d p = Vec3d(mesh.positions[i], mesh.positions[i + 1], mesh.positions[i + 2]) + origin;
+    EXPECT_NEAR(std::hypot(p.y - 1, p.z), 0.1, 1e-4);
+  }
+  EXPECT_NEAR(boundsOf(mesh).diagonal().x, 3, 1e-4f);
+}
+
+TEST(SceneMesh, OfManyCurvesSomeAreShownWider) {
+  std::string text = view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40));
+  for (int i = 0; i < 1000; ++i)
+    text += "Shape \"curve\" \"point3 P\" [ 0 0 " + number(i) + "  0 1 " + number(i) + "  0 2 " + number(i) +
+            "  0 3 " + number(i) + " ] \"float width\" .1\n";
+  const SceneMesh mesh = meshOf(*sceneFrom(text), 1000);
+  EXPECT_EQ(mesh.curves, 1000u);
+  EXPECT_LE(mesh.triangles(), 1000u);
+  EXPECT_GT(mesh.shownCurves, 150u);
+  EXPECT_LT(mesh.shownCurves, 350u);
+}
+
+/** Largest distance of corners from a surface given by a signed distance, and the area of the mesh. */
+template <class Distance>
+std::pair<double, double> errorAndArea(const Scene& scene, const SceneMesh& mesh, const Distance& distance) {
+  double worst = 0, area = 0;
+  for (size_t t = 0; t < mesh.triangles(); ++t) {
+    std::array<Vec3d, 3> p;
+    for (size_t k = 0; k < 3; ++k)
+      for (int c = 0; c < 3; ++c) p[k][c] = double(mesh.positions[9 * t + 3 * k + size_t(c)]) + scene.origin()[c];
+    for (const Vec3d& corner : p) worst = std::max(worst, std::abs(distance(corner)));
+    area += 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+  }
+  return {worst, area};
+}
+
+TEST(SceneMesh, AnImplicitSphereHasTheAreaOfASphere) {
+  const auto scene = sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
+                               "Shape \"implicit\" \"string function\" \"x^2 + y^2 + z^2 - 4\" "
+                               "\"point3 p1\" [ -3 -3 -3 ] \"point3 p2\" [ 3 3 3 ]\n");
+  const SceneMesh mesh = meshOf(*scene, 200000);
+  EXPECT_EQ(mesh.sampledShapes, 1u);
+  const auto [worst, area] = errorAndArea(*scene, mesh, [](const Vec3d& p) { return glm::length(p) - 2; });
+  EXPECT_LT(worst, 0.01);
+  EXPECT_NEAR(area, 4 * M_PI * 4, 0.01 * 4 * M_PI * 4);
+}
+
+TEST(SceneMesh, ABlockWithABoreHasSharpEdges) {
+  const auto scene = sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) + R"(
+ObjectBegin "block"
+Shape "box" "point3 p1" [ -1 -1 -1 ] "point3 p2" [ 1 1 1 ]
+ObjectEnd
+ObjectBegin "bore"
+Shape "box" "point3 p1" [ -.5 -.5 -2 ] "point3 p2" [ .5 .5 2 ]
+ObjectEnd
+Shape "csg" "string operation" "difference" "string operands" [ "block" "bore" ]
+)");
+  const SceneMesh mesh = meshOf(*scene, 200000);
+  EXPECT_EQ(mesh.sampledShapes, 1u);
+  const auto box = [](const Vec3d& p, const Vec3d& half) {
+    const Vec3d q = magnitude(p) - half;
+    return glm::length(glm::max(q, Vec3d(0))) + std::min(0.0, std::max({q.x, q.y, q.z}));
+  };
+  const auto [worst, area] = errorAndArea(*scene, mesh, [&](const Vec3d& p) {
+    return std::max(box(p, Vec3d(1)), -box(p, Vec3d(0.5, 0.5, 2)));
+  });
+  EXPECT_LT(worst, 0.01); // half a cell would be 0.02 at the edges without sharp ones
+  const double exact = 4 * 4 + 2 * 3 + 4 * 2;
+  EXPECT_NEAR(area, exact, 0.02 * exact);
+}
+
+TEST(SceneMesh, SimplificationKeepsWhatTheCameraSees) {
+  // A ball of 4 m before a camera on a plate of 100 km, both of more triangles than are allowed.
+  const auto scene = sceneFrom(view(4, 4, "0 0 -20  0 0 0  0 1 0", perspective(40)) +
+                               "Shape \"sphere\" \"float radius\" 2\nTranslate 0 -50003 0\nShape \"sphere\" \"float radius\" 50000\n");
+  const SceneMesh mesh = meshOf(*scene, 1000);
+  EXPECT_LE(mesh.triangles(), 1000u);
+  EXPECT_GT(mesh.triangles(), 500u);
+  size_t ofBall = 0;
+  for (size_t t = 0; t < mesh.triangles(); ++t) {
+    Vec3d p;
+    for (int c = 0; c < 3; ++c) p[c] = double(mesh.positions[9 * t + size_t(c)]) + scene->origin()[c];
+    ofBall += glm::length(p) < 2.5;
+  }
+  EXPECT_GT(ofBall, 200u);
 }
 
 constexpr double REFERENCE_FLUX = 3,

@@ -410,6 +410,20 @@ TEST(LightGroups, LayersAreTheLightOfALampAlone) {
 }
 
 /** Area, point and environment lights, one by the name of its shape, one by its number. */
+TEST(LightGroups, AWrongLightScaleListsTheLamps) {
+  const std::string text = view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
+                           "LightSource \"point\" \"string name\" \"key\"\n"
+                           "LightSource \"point\" \"string name\" \"bulb\"\n"
+                           "LightScale \"nosuch\" \"rgb scale\" [ 1 1 1 ]\n";
+  try {
+    sceneFrom(text);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("accepted: \"bulb\", \"key\""), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(LightGroups, LightScaleMultipliesTheLightOfALamp) {
   const ThreadPool pool;
   const std::string scales = R"(

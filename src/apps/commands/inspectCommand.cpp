@@ -8,6 +8,7 @@
 #include "apps/options/renderOptions.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/text.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/inspect/formFactors.h"
@@ -55,16 +56,13 @@ size_t pixelIndex(const PixelBounds& crop, const RecordedPixel& pixel) {
   return size_t(pixel.y - crop.y0) * size_t(crop.width()) + size_t(pixel.x - crop.x0);
 }
 
-PathClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
+InspectClasses classesOf(const InspectOptions& o, const LoadedScene& loaded) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
   if (classes.empty()) classes = defaultStillClasses(loaded.scene->hasMedia());
   const PathNames names = pathNames(*loaded.scene, loaded.integrator.get());
-  PathClasses out(planStills(classes, &names).classes, names);
-  // The photons' surfaces are not known.
-  if (out.distinguishesSurfaces())
-    badUsage("--class: the classes of inspect can name lights, but no surfaces");
-  return out;
+  return inspectClasses(planStills(classes, &names).classes, *loaded.scene, loaded.integrator.get(),
+                        size_t(loaded.scene->film().crop.area()));
 }
 
 /** Irradiance by `path` at the recorded pixels, of the light that the photons carry. */
@@ -72,7 +70,8 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
                                          const Inspection& inspection, int64_t samples, uint64_t seed,
                                          const std::atomic<bool>& stop) {
   const std::string expression =
-      photonExpression(classes, inspection.photons, loaded.integrator->photonPaths());
+      photonExpression(classes, inspection.photons, loaded.integrator->photonPaths(), inspection.kinds,
+                       inspection.shownClasses);
   if (samples == 0 || inspection.photons.empty() || expression.empty()) return {};
   ParsedDirective directive;
   directive.type = "path";
@@ -82,7 +81,7 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
   Diagnostics diagnostics;
   const std::unique_ptr<Integrator> path = makeIntegrator(directive, false, diagnostics);
   diagnostics.throwIfErrors();
-  const PathClasses ofPhotons = sceneClasses({{"photons", expression}}, *loaded.scene);
+  const PathClasses ofPhotons = sceneClasses({{"photons", expression}}, *loaded.scene, path.get());
   path->prepare(*loaded.scene, ofPhotons);
   ForwardControl control;
   control.stop = &stop;
@@ -113,6 +112,8 @@ ExitStatus inspectScene(const InspectOptions& o) {
   const int64_t referenceSamples = parseCount("--reference-samples", o.referenceSamples, 0, 100000000);
   if (referenceSamples == 1)
     badUsage("--reference-samples: a standard error needs at least 2 samples; 0: none");
+  if (!lowerCase(o.output).ends_with(".html"))
+    badUsage("-o " + o.output + ": the output is a page, such as look.html");
   checkFileWritable(o.output);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   const ThreadPool pool(plan.threads);
@@ -120,8 +121,12 @@ ExitStatus inspectScene(const InspectOptions& o) {
   requireDistinctFiles({{"-o", o.output}, {"--stats", o.render.statistics}},
                        inputFiles("a file of the scene", loaded.files));
   const Scene& scene = *loaded.scene;
-  const PathClasses classes = classesOf(o, loaded);
+  const InspectClasses all = classesOf(o, loaded);
+  const PathClasses& classes = all.classes;
   Inspection inspection;
+  inspection.shownClasses = all.shown;
+  inspection.lamps = all.lamps;
+  inspection.depths = all.depths;
   inspection.pixels = pixelsOf(o, scene.film().crop);
   inspection.lightPaths = LightPathRecorder(lightPaths);
 
@@ -138,12 +143,13 @@ ExitStatus inspectScene(const InspectOptions& o) {
                        " samples per pixel";
     statistics = statisticsJson(report);
   }
-  replaceIntegrator(loaded, o.render.integrator, o.render.lenient);
+  replaceIntegrator(loaded, o.render.integrator, o.render.lenient, false);
   const GracefulStop graceful;
   recordPixels(scene, *loaded.integrator, classes, plan.settings(scene), samples, inspection.pixels,
                graceful.flag(), {}, &inspection.lightPaths);
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
+  inspection.kinds = surfaceKindsOf(scene, classes, inspection.photons);
   inspection.shownPhotons = photons;
   inspection.notes = recordNotes(*loaded.integrator);
   inspection.photonName = loaded.integrator->photonName();

@@ -126,12 +126,12 @@ LoadedScene loadAndBuild(const std::string& name, const std::function<SceneDescr
   return out;
 }
 
-void replaceIntegrator(LoadedScene& loaded, const IntegratorOptions& options, bool lenient) {
+void replaceIntegrator(LoadedScene& loaded, const IntegratorOptions& options, bool lenient, bool warns) {
   Diagnostics diagnostics;
   makeIntegratorOf(loaded, options, lenient, diagnostics);
   renderByPathIfNeeded(loaded, diagnostics);
   diagnostics.throwIfErrors();
-  say(diagnostics.format());
+  if (warns) say(diagnostics.format());
 }
 
 void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics) {

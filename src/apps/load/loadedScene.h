@@ -59,8 +59,9 @@ LoadedScene loadAndBuild(const std::string& name, const std::function<SceneDescr
                          AnimationFrame* frame = nullptr);
 
 /** Replaces the integrator of a loaded scene by the one of the options, new and unprepared. Throws like
- * loadAndBuild(). */
-void replaceIntegrator(LoadedScene& loaded, const IntegratorOptions& options, bool lenient);
+ * loadAndBuild(). `warns`: warnings are printed; false for options with which the scene was loaded. */
+void replaceIntegrator(LoadedScene& loaded, const IntegratorOptions& options, bool lenient,
+                       bool warns = true);
 
 /** Replaces an integrator that does not render all of the scene by path, with a warning. */
 void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics);

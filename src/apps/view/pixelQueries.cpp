@@ -65,12 +65,16 @@ std::shared_ptr<Inspection> PixelQueries::inspectionOf(const PixelQuestion& now,
   inspection->pixels.push_back(std::move(pixel));
   const Integrator& integrator = pause.integrator();
   inspection->notes = recordNotes(integrator);
+  if (const std::vector<LampGroup> lamps = lampGroups(scene);
+      lamps.size() == 1 && !integrator.addsLightOfNoLamp())
+    inspection->lamps = {lamps.front().name};
   inspection->photons = photonsOf(integrator, SHOWN_PHOTONS, inspection->photonsInMap);
+  inspection->kinds = surfaceKindsOf(scene, classes, inspection->photons);
   inspection->shownPhotons = SHOWN_PHOTONS;
   inspection->photonName = integrator.photonName();
   integrator.visitPhotonBoxes(BOX_LEVELS, [&](const PhotonBox& box) { inspection->boxes.push_back(box); });
   if (!inspection->photons.empty())
-    expression = photonExpression(classes, inspection->photons, integrator.photonPaths());
+    expression = photonExpression(classes, inspection->photons, integrator.photonPaths(), inspection->kinds);
   return inspection;
 }
 

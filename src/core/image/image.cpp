@@ -36,7 +36,8 @@ std::string extensionOf(const std::string& fileName) {
 /** Content of a file by its extension. */
 enum class Content { ALL_CHANNELS, LINEAR_RGB, DISPLAY_RGB };
 
-Content contentByExtension(const std::string& fileName) {
+/** `others`: further extensions that the caller accepts, each after a space. */
+Content contentByExtension(const std::string& fileName, const std::string& others = {}) {
   const std::string extension = extensionOf(fileName);
   if (extension == ".exr") return Content::ALL_CHANNELS;
   if (extension == ".hdr" || extension == ".pfm") return Content::LINEAR_RGB;
@@ -44,7 +45,7 @@ Content contentByExtension(const std::string& fileName) {
     if (extension == known) return Content::DISPLAY_RGB;
   throw Error(fileName + ": cannot be written: " +
                   (extension.empty() ? "the name has no extension" : "unknown extension " + extension) +
-                  "; accepted: .exr .hdr .pfm .png .jpg .jpeg .tif .tiff",
+                  "; accepted: .exr .hdr .pfm .png .jpg .jpeg .tif .tiff" + others,
               ExitStatus::BAD_USAGE);
 }
 
@@ -331,8 +332,8 @@ void writeImage(const std::string& fileName, const Image& image, const ImageWrit
   file.commit();
 }
 
-void checkImageWritable(const std::string& fileName) {
-  contentByExtension(fileName);
+void checkImageWritable(const std::string& fileName, const std::string& others) {
+  contentByExtension(fileName, others);
   checkFileWritable(fileName);
 }
 

@@ -211,8 +211,18 @@ class SceneBuilder {
     for (const LightScaleDescription& s : description.lightScales)
       if (std::find(names.begin(), names.end(), s.lamp) == names.end())
         diagnostics.error(s.location, "there is no lamp named \"" + s.lamp + "\"",
-                          names.empty() ? "no LightScale: the scene has no lamp"
-                                        : quotedList(nearestNames(s.lamp, names)));
+                          names.empty() ? "no LightScale: the scene has no lamp" : lampsLike(s.lamp, names));
+  }
+
+  /** Names next to a wrong one, or some of all. */
+  static std::string lampsLike(const std::string& wrong, const std::vector<std::string>& names) {
+    constexpr size_t MOST = 8;
+    std::vector<std::string> shown = nearestNames(wrong, names);
+    if (!shown.empty()) return quotedList(shown);
+    const std::set<std::string> all(names.begin(), names.end());
+    for (const std::string& name : all)
+      if (shown.size() < MOST) shown.push_back(name);
+    return quotedList(shown) + (all.size() > MOST ? ", ..." : "");
   }
 
   /** Prepares and checks a light, and adds it to the table. */

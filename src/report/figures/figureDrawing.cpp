@@ -126,7 +126,7 @@ void checkDrawingWritable(const std::string& fileName) {
   if (isSvg(fileName))
     checkFileWritable(fileName);
   else
-    checkImageWritable(fileName);
+    checkImageWritable(fileName, " .svg");
 }
 
 void writeDrawing(const std::string& fileName, const FigureDrawing& drawing) {

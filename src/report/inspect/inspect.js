@@ -2,13 +2,15 @@
 
 async function decodeMesh(mesh) {
   return { ...mesh, positions: await decodeNumbers(mesh.positions, Float32Array),
-    colours: await decodeNumbers(mesh.colours, Uint8Array), objects: await decodeNumbers(mesh.objects, Uint16Array) };
+    colours: await decodeNumbers(mesh.colours, Uint8Array), objects: await decodeNumbers(mesh.objects, Uint16Array),
+    specular: await decodeNumbers(mesh.specular, Uint8Array) };
 }
 
 async function decodePhotons(photons) {
   return { ...photons, positions: await decodeNumbers(photons.positions, Float32Array),
     powers: await decodeNumbers(photons.powers, Float32Array), normals: await decodeNumbers(photons.normals, Int8Array),
-    directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array) };
+    directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array),
+    depths: await decodeNumbers(photons.depths, Uint8Array) };
 }
 
 async function decodeLightPaths(paths) {
@@ -38,7 +40,7 @@ function mirror(data, { mesh, photons, lightPaths, boxes, patches }) {
   const turnAll = (array) => { for (let i = 0; i < array.length; i += 3) array[i] = -array[i]; };
   turn(data.center);
   for (const ray of data.camera) if (ray) [ray.origin, ray.direction].forEach(turn);
-  for (const box of [...mesh.boxes, ...data.media]) box.forEach(turn);
+  for (const box of data.media) box.forEach(turn);
   for (const array of [mesh.positions, photons.positions, photons.normals, photons.directions, lightPaths.positions,
     boxes.bounds, patches.positions]) turnAll(array);
   for (const reference of data.references) [reference.position, reference.normal].forEach(turn);
@@ -141,7 +143,10 @@ function connect(data, view, photonView, patchView, others) {
 function remarks(data, mesh) {
   const texts = [];
   if (mesh.triangles < mesh.before) texts.push(`Simplified: ${mesh.triangles} of ${mesh.before} triangles.`);
-  if (mesh.boxes.length > 0) texts.push(`Shown as boxes: ${mesh.boxes.length} shapes without faces.`);
+  const { sampledShapes, curves, shownCurves } = mesh;
+  if (sampledShapes > 0)
+    texts.push(`Approximated by a grid: ${sampledShapes} ${sampledShapes === 1 ? "shape" : "shapes"} without faces.`);
+  if (shownCurves < curves) texts.push(`Shown: ${shownCurves} of ${curves} segments of curves, wider.`);
   element("simplified").hidden = texts.length === 0;
   element("simplified").textContent = texts.join(" ");
 }
@@ -161,6 +166,7 @@ async function start() {
     picture.draw(pixel);
     photonView.offerReference(pixel);
   };
+  frame(data, mesh);
   const picture = new Picture(data, values, choose);
   picture.draw(null, false); // no marks in the picture of the frustum
   const view = new SceneView(data, mesh);

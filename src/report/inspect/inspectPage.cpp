@@ -7,8 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/stills/stills.h"
+#include "recurse/transport/integrator/sceneNames.h"
 #include "report/inspect/sceneMesh.h"
 #include "report/page/embedded.h"
 #include "report/page/htmlPage.h"
@@ -21,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr size_t MOST_TRIANGLES = 200000;
 constexpr uint8_t NO_CLASS = 127, CAUSTIC = 128;
+constexpr uint8_t UNCLASSIFIED = 126; ///< the page finds the class of a path
 
 /** Number rounded to six digits; null where it is not finite. */
 Json shortened(double x) {
@@ -38,21 +42,63 @@ Json numbers(const Rgb& c) {
   return {shortened(double(c.r)), shortened(double(c.g)), shortened(double(c.b))};
 }
 
-/** The first class of a mask; NO_CLASS where there is none. */
-uint8_t classOf(LayerMask mask) {
-  return mask == 0 ? NO_CLASS : static_cast<uint8_t>(std::min(std::countr_zero(mask), int(NO_CLASS)));
+/** Position of the lowest bit among `count` bits from `first` on; -1 where none is set. */
+int firstOf(LayerMask mask, size_t first, size_t count) {
+  if (count == 0) return -1;
+  const LayerMask range = (mask >> first) & (~LayerMask(0) >> (64 - count));
+  return range == 0 ? -1 : std::countr_zero(range);
 }
 
+/** Number of classes, without the layers of frames. */
+size_t classCount(const PathClasses& classes) {
+  return classes.isTransient() ? 1 : std::min<size_t>(classes.layerCount(), 64);
+}
+
+/** What the mask of a path says: its class on the page, its lamp, its depth. */
+class MaskReader {
+ public:
+  MaskReader(const PathClasses& classes, const Inspection& inspection)
+      : shown(inspection.shownClasses ? inspection.shownClasses : classCount(classes)),
+        lamps(inspection.lamps.size()), depths(inspection.depths),
+        lampClasses(inspection.shownClasses ? classes.layerCount() - shown - depths : 0) {
+    for (size_t i = 0; i < shown; ++i)
+      if (classes.classes()[i].expression != "all") telling |= LayerMask(1) << i;
+  }
+
+  /** A render of one class says nothing. */
+  bool hasClasses() const { return shown > 1; }
+  size_t shownClasses() const { return shown; }
+  /** The first class of a path that is not the class of all paths. */
+  uint8_t classOf(LayerMask mask) const {
+    const int found = hasClasses() ? firstOf(mask & telling, 0, shown) : -1;
+    return found < 0 ? NO_CLASS : static_cast<uint8_t>(found);
+  }
+  /** Index of the lamp; -1: not known. */
+  int lampOf(LayerMask mask) const {
+    if (lampClasses > 0) return firstOf(mask, shown, lampClasses);
+    return lamps == 1 ? 0 : -1;
+  }
+  /** Number of events on a photon's path, with the one where it is; 0: not known. */
+  uint8_t depthOf(LayerMask mask) const {
+    return static_cast<uint8_t>(1 + firstOf(mask, shown + lampClasses, depths));
+  }
+
+ private:
+  size_t shown, lamps, depths, lampClasses;
+  LayerMask telling = 0; ///< shown classes that do not have all paths
+};
+
 Json meshJson(const SceneMesh& mesh) {
-  Json boxes = Json::array();
-  for (const Bounds3f& b : mesh.boxes) boxes.push_back({numbers(b.lower), numbers(b.upper)});
   return {{"triangles", mesh.triangles()},
           {"before", mesh.before},
           {"positions", encodedNumbers(mesh.positions)},
           {"colours", encodedNumbers(mesh.colours)},
           {"objects", encodedNumbers(mesh.objects)},
+          {"specular", encodedNumbers(mesh.specular)},
           {"names", mesh.names},
-          {"boxes", std::move(boxes)}};
+          {"sampledShapes", mesh.sampledShapes},
+          {"curves", mesh.curves},
+          {"shownCurves", mesh.shownCurves}};
 }
 
 /** Boxes of the media that have one. */
@@ -94,6 +140,14 @@ class NameTable {
   std::map<std::string, size_t> known;
 };
 
+/** All names of the lists, sorted. */
+std::set<std::string> uniqueNames(std::initializer_list<const std::vector<PathNames::List>*> lists) {
+  std::set<std::string> out;
+  for (const auto* list : lists)
+    for (const PathNames::List& names : *list) out.insert(names.begin(), names.end());
+  return out;
+}
+
 std::string lobeName(LobeSet lobe) {
   if (lobe & MIRROR) return "mirror";
   if (lobe & REFRACTION) return "refraction";
@@ -108,11 +162,25 @@ std::string nonDeltaNames(LobeSet lobes, bool inMedium) {
   return both ? "reflection, transmission" : lobeName(lobes & NON_DELTA_LOBES);
 }
 
+/** Surface at a point of it, seen from the unit direction `from`; empty: none is that near. */
+std::optional<Hit> surfaceNear(const Scene& scene, const Vec3f& point, const Vec3f& from) {
+  constexpr float NEAR = 1e-4f; // fraction of the scene's radius
+  const float distance = NEAR * scene.bounds().radius;
+  Ray ray;
+  ray.origin = point + distance * from;
+  ray.direction = -from;
+  ray.tMax = 2 * distance;
+  Hit hit;
+  if (!scene.intersect(ray, hit)) return {};
+  return hit;
+}
+
 /** Record of one pixel. Indices refer to entries of the same pixel. Each kind of entry is a list of lists,
  * whose columns pathView.js defines. */
 class PixelJson {
  public:
-  PixelJson(const Scene& scene, NameTable& table) : scene(scene), table(table) {}
+  PixelJson(const Scene& scene, const PathNames& names, const MaskReader& reader, NameTable& table)
+      : scene(scene), names(names), reader(reader), table(table) {}
 
   Json of(const RecordedPixel& pixel) {
     const PathRecorder& record = pixel.record;
@@ -148,7 +216,21 @@ class PixelJson {
             table.index(v.material ? scene.materialName(v.material) : ""),
             v.inMedium,
             numbers(v.throughput),
-            table.index(nonDeltaNames(v.lobes, v.inMedium))};
+            table.index(nonDeltaNames(v.lobes, v.inMedium)),
+            v.inMedium ? Json::array() : surfaceNames(v.object, v.material)};
+  }
+  /** Names by which expressions know the surface. */
+  Json surfaceNames(uint32_t object, const Material* material) {
+    Json out = Json::array();
+    for (const std::string& name : names.objects[object]) out.push_back(table.index(name));
+    for (const std::string& name : names.materials[material ? material->number : 0])
+      out.push_back(table.index(name));
+    return out;
+  }
+  /** Names of the vertex of a light path; null where there is no event. */
+  Json namesOf(const RecordedLightVertex& v) {
+    if (v.kind == LightVertexKind::SURFACE) return surfaceNames(v.object, v.material);
+    return v.kind == LightVertexKind::MEDIUM ? Json::array() : Json(nullptr);
   }
   std::string objectOf(const RecordedLightVertex& v) const {
     switch (v.kind) {
@@ -173,7 +255,8 @@ class PixelJson {
             table.index(nonDeltaNames(v.lobes, v.kind == LightVertexKind::MEDIUM)),
             table.index(lobeName(v.lobe)),
             shortened(double(v.pdf)),
-            shortened(double(v.pdfReverse))};
+            shortened(double(v.pdfReverse)),
+            namesOf(v)};
   }
   /** Weights of all techniques: a list of technique, number of camera vertices, weight. */
   Json weights(const PathRecorder& record, const RecordedSource& s) {
@@ -196,41 +279,59 @@ class PixelJson {
             shortened(double(s.weight)),
             shortened(double(s.pdf)),
             shortened(double(s.otherPdf)),
-            classOf(c.classes),
+            reader.hasClasses() ? reader.classOf(c.classes) : UNCLASSIFIED,
             numbers(c.radiance),
             s.lightVertex,
             {shortened(double(s.vertexPdf)), shortened(double(s.vertexPdfReverse)),
              shortened(double(s.lightVertexPdf)), shortened(double(s.lightVertexPdfReverse))},
             weights(record, s),
             table.index(omission ? omission : ""),
-            s.panes};
+            s.panes,
+            reader.lampOf(c.classes)};
   }
 
   const Scene& scene;
+  const PathNames& names;
+  const MaskReader& reader;
   NameTable& table;
 };
 
 int8_t signedByte(float x) { return static_cast<int8_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 127)); }
 
-Json photonsJson(const PathClasses& classes, const Inspection& inspection) {
+/** Kind of the surface at a point, seen from the unit direction `from`. */
+SurfaceKind surfaceKindAt(const Scene& scene, const PathClasses& classes, const Vec3f& point,
+                          const Vec3f& from) {
+  const std::optional<Hit> hit = surfaceNear(scene, point, from);
+  if (!hit) return SurfaceKind();
+  return classes.surfaceKind(hit->object, hit->material ? hit->material->number : 0);
+}
+
+/** Classes of a photon on a surface, whose path goes on by DE. */
+LayerMask maskOf(const PathClasses& classes, const StoredPhoton& photon, SurfaceKind kind) {
+  return classes.join(photon.state, classes.step(classes.cameraStart(), PathEvent::D, kind));
+}
+
+Json photonsJson(const PathClasses& classes, const MaskReader& reader, const Inspection& inspection) {
   std::vector<float> positions, powers;
   std::vector<int8_t> normals, directions;
-  std::vector<uint8_t> kinds;
-  const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
-  for (const StoredPhoton& p : inspection.photons) {
+  std::vector<uint8_t> kinds, depths;
+  for (size_t i = 0; i < inspection.photons.size(); ++i) {
+    const StoredPhoton& p = inspection.photons[i];
     positions.insert(positions.end(), {p.position.x, p.position.y, p.position.z});
     powers.insert(powers.end(), {p.power.r, p.power.g, p.power.b});
     for (int k = 0; k < 3; ++k) {
       normals.push_back(signedByte(p.normal[k]));
       directions.push_back(signedByte(p.direction[k]));
     }
-    kinds.push_back(uint8_t(classOf(classes.join(p.state, seen)) | (p.caustic ? CAUSTIC : 0)));
+    const LayerMask mask = maskOf(classes, p, inspection.kinds.empty() ? SurfaceKind() : inspection.kinds[i]);
+    kinds.push_back(uint8_t(reader.classOf(mask) | (p.caustic ? CAUSTIC : 0)));
+    depths.push_back(reader.depthOf(mask));
   }
   return {{"name", inspection.photonName},          {"limit", inspection.shownPhotons},
           {"count", inspection.photons.size()},     {"inMap", inspection.photonsInMap},
           {"positions", encodedNumbers(positions)}, {"powers", encodedNumbers(powers)},
           {"normals", encodedNumbers(normals)},     {"directions", encodedNumbers(directions)},
-          {"kinds", encodedNumbers(kinds)}};
+          {"kinds", encodedNumbers(kinds)},         {"depths", encodedNumbers(depths)}};
 }
 
 Json boxesJson(const std::vector<PhotonBox>& boxes) {
@@ -252,7 +353,7 @@ Json boxesJson(const std::vector<PhotonBox>& boxes) {
 
 /** Vertices of light paths; `kinds` has the vertex's kind in the lowest two bits, then whether it is stored.
  */
-Json lightPathsJson(const PathClasses& classes, const LightPathRecorder& record) {
+Json lightPathsJson(const PathClasses& classes, const MaskReader& reader, const LightPathRecorder& record) {
   constexpr unsigned STORED = 4;
   std::vector<float> positions, powers;
   std::vector<int32_t> previous;
@@ -263,7 +364,11 @@ Json lightPathsJson(const PathClasses& classes, const LightPathRecorder& record)
     previous.push_back(v.previous);
     kinds.push_back(static_cast<uint8_t>(unsigned(v.kind) | (v.stored ? STORED : 0)));
     const PathEvent seenBy = v.kind == LightVertexKind::MEDIUM ? PathEvent::V : PathEvent::D;
-    classOfVertex.push_back(classOf(classes.join(v.state, classes.step(classes.cameraStart(), seenBy))));
+    const SurfaceKind kind = v.kind == LightVertexKind::SURFACE
+                                 ? classes.surfaceKind(v.object, v.material ? v.material->number : 0)
+                                 : SurfaceKind();
+    classOfVertex.push_back(
+        reader.classOf(classes.join(v.state, classes.step(classes.cameraStart(), seenBy, kind))));
   }
   return {{"paths", record.pathsRecorded()},   {"emitted", record.pathsEmitted()},
           {"count", record.vertices().size()}, {"positions", encodedNumbers(positions)},
@@ -336,17 +441,63 @@ std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, s
   return out;
 }
 
+InspectClasses inspectClasses(const std::vector<PathClass>& shown, const Scene& scene,
+                              const Integrator* integrator, size_t pixels) {
+  constexpr size_t MOST_VALUES = 20'000'000; // pixels of all layers of the film
+  constexpr size_t MOST_CLASSES = 64;
+  const PathNames names = pathNames(scene, integrator);
+  std::vector<std::string> lamps;
+  for (const LampGroup& lamp : lampGroups(scene)) lamps.push_back(lamp.name);
+  const bool isAlone = lamps.size() == 1 && !(integrator && integrator->addsLightOfNoLamp());
+  for (const bool withLamps : {true, false})
+    for (const size_t depths : {size_t(8), size_t(6), size_t(4), size_t(3), size_t(0)}) {
+      std::vector<PathClass> all = shown;
+      const auto add = [&](const std::string& expression) {
+        all.push_back({" " + std::to_string(all.size()), expression});
+      };
+      if (withLamps && !isAlone)
+        for (const std::string& lamp : lamps) {
+          std::string quoted;
+          for (const char c : lamp) quoted += c == '\'' ? "''" : std::string(1, c);
+          add("L'" + quoted + "'.*E");
+        }
+      for (size_t depth = 1; depth <= depths; ++depth)
+        add("L.{" + std::to_string(depth) + (depth == depths ? ",}E" : "}E"));
+      const bool isLast = !withLamps && depths == 0;
+      if (!isLast && (all.size() > MOST_CLASSES || all.size() * pixels > MOST_VALUES)) continue;
+      try {
+        return {PathClasses(all, names), shown.size(),
+                withLamps || isAlone ? lamps : std::vector<std::string>(), depths};
+      } catch (const Error&) { // too many states
+        if (isLast) throw;
+      }
+    }
+  return {};
+}
+
+std::vector<SurfaceKind> surfaceKindsOf(const Scene& scene, const PathClasses& classes,
+                                        const std::vector<StoredPhoton>& photons) {
+  std::vector<SurfaceKind> kinds;
+  if (!classes.distinguishesSurfaces()) return kinds;
+  for (const StoredPhoton& p : photons)
+    kinds.push_back(glm::length(p.normal) > 0 ? surfaceKindAt(scene, classes, p.position, p.normal)
+                                              : SurfaceKind());
+  return kinds;
+}
+
 std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
-                             const std::string& photonPaths) {
-  const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
+                             const std::string& photonPaths, const std::vector<SurfaceKind>& kinds,
+                             size_t shown) {
+  if (shown == 0) shown = classCount(classes);
+  const LayerMask isShown = ~LayerMask(0) >> (64 - std::min<size_t>(shown, 64));
   LayerMask all = 0;
-  for (const StoredPhoton& photon : photons) {
-    const LayerMask mask = classes.join(photon.state, seen);
+  for (size_t i = 0; i < photons.size(); ++i) {
+    const LayerMask mask = isShown & maskOf(classes, photons[i], kinds.empty() ? SurfaceKind() : kinds[i]);
     if (mask == 0) return "";
     all |= mask;
   }
   std::string text;
-  for (size_t i = 0; i < classes.layerCount(); ++i)
+  for (size_t i = 0; i < shown; ++i)
     if (all >> i & 1) text += (text.empty() ? "(" : " | (") + classes.classes()[i].expression + ")";
   return text.empty() ? "" : "(" + text + ") & (" + photonPaths + ")";
 }
@@ -368,9 +519,15 @@ std::string referenceText(const Scene& scene, const ReferencePoint& reference) {
 
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection) {
   const Vec3d origin = scene.origin();
-  Json classList = Json::array();
-  for (const PathClass& c : classes.classes())
-    classList.push_back({{"name", c.name}, {"expression", c.expression}});
+  const MaskReader reader(classes, inspection);
+  const PathNames pathNames = recurse::pathNames(scene);
+  std::vector<PathClass> shown(classes.classes().begin(),
+                               classes.classes().begin() + std::ptrdiff_t(reader.shownClasses()));
+  if (!reader.hasClasses()) shown = defaultStillClasses(scene.hasMedia());
+  Json classList = Json::array(), named = Json::array();
+  for (const PathClass& c : shown) classList.push_back({{"name", c.name}, {"expression", c.expression}});
+  for (const NamedPathClass& c : namedPathClasses())
+    named.push_back({{"name", c.name}, {"expression", c.expression}});
   const PixelBounds& crop = scene.film().crop;
   Json picture = {{"name", "picture"},       {"width", crop.width()},
                   {"height", crop.height()}, {"x0", crop.x0},
@@ -378,13 +535,19 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
   addPixels(picture, inspection.picture);
   NameTable names;
   Json pixels = Json::array();
-  for (const RecordedPixel& pixel : inspection.pixels) pixels.push_back(PixelJson(scene, names).of(pixel));
+  for (const RecordedPixel& pixel : inspection.pixels)
+    pixels.push_back(PixelJson(scene, pathNames, reader, names).of(pixel));
   const Json data = {{"title", inspection.title},
                      {"label", inspection.label},
                      {"origin", {origin.x, origin.y, origin.z}},
                      {"center", numbers(scene.bounds().center)},
                      {"radius", scene.bounds().radius},
                      {"classes", std::move(classList)},
+                     {"namedClasses", std::move(named)},
+                     {"lamps", inspection.lamps},
+                     {"lightNames", uniqueNames({&pathNames.lights})},
+                     {"surfaceNames", uniqueNames({&pathNames.objects, &pathNames.materials})},
+                     {"depths", inspection.depths},
                      {"mesh", meshJson(meshOf(scene, MOST_TRIANGLES))},
                      {"media", mediaJson(scene)},
                      {"camera", cameraJson(scene)},
@@ -392,20 +555,20 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"pixels", std::move(pixels)},
                      {"names", names.names},
                      {"notes", inspection.notes},
-                     {"photons", photonsJson(classes, inspection)},
+                     {"photons", photonsJson(classes, reader, inspection)},
                      {"boxes", boxesJson(inspection.boxes)},
-                     {"lightPaths", lightPathsJson(classes, inspection.lightPaths)},
+                     {"lightPaths", lightPathsJson(classes, reader, inspection.lightPaths)},
                      {"references", referencesJson(scene, inspection.references)},
                      {"patches", patchesJson(inspection)},
                      {"live", inspection.isLive}};
-  return htmlPage(
-      {page::INSPECT_HTML,
-       inspection.title + " · light in the scene",
-       {page::PAGE_CSS, page::INSPECT_CSS},
-       {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
-       {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS, page::PHOTON_VIEW_JS,
-        page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::PATCH_VIEW_JS, page::INSPECT_JS}},
-      data);
+  return htmlPage({page::INSPECT_HTML,
+                   inspection.title + " · light in the scene",
+                   {page::PAGE_CSS, page::INSPECT_CSS},
+                   {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
+                   {page::PIXELS_JS, page::PATH_EXPRESSION_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS,
+                    page::ESTIMATE_JS, page::PHOTON_VIEW_JS, page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS,
+                    page::PATCH_VIEW_JS, page::INSPECT_JS}},
+                  data);
 }
 
 } // namespace recurse

@@ -3,36 +3,30 @@
 
 const CLASS_COLOURS = ["#ffd166", "#4fa3ff", "#ff6b6b", "#5fd38d", "#c792ea", "#ff9f43", "#54d6d6", "#e75fa9", "#a3c644",
   "#8f9bff", "#d9a066", "#66bb6a", "#b0bec5", "#ef5da8", "#7fdbff", "#c0ca33"];
-const NO_CLASS = 127;
+const NO_CLASS = 127, UNCLASSIFIED = 126; // the latter: the page works the class out
 const classColour = (i) => i === NO_CLASS ? "#9aa2b1" : CLASS_COLOURS[i % CLASS_COLOURS.length];
-
-/** Path expression of letters, ( ) | * + ? and . as a regular expression for whole words; null if it has other signs. */
-function expressionOf(text) {
-  if (!/^[LSDVE().|*+?{},0-9 ]*$/.test(text)) return null;
-  try {
-    return new RegExp(`^(?:${text.replaceAll(" ", "").replaceAll(".", "[SDV]")})$`);
-  } catch {
-    return null;
-  }
-}
 
 /** Possible events of photons before they are merged: all sequences of up to four. */
 const PREFIXES = (() => {
-  const all = [""];
-  for (let i = 0; all[i].length < 4; ++i) all.push(`${all[i]}S`, `${all[i]}D`);
+  const all = [[]];
+  for (let i = 0; all[i].length < 4; ++i) for (const letter of "SD") all.push([...all[i], { letter, names: null }]);
   return all;
 })();
 
+/** Letter that stands for events that are not known. */
+const UNKNOWN = { letter: "…", names: null };
+
 /** Paths of one pixel, as objects made from the lists of the page. */
 class PixelPaths {
-  constructor(pixel, names, classes) {
-    Object.assign(this, { pixel, names, classes });
+  /** `classes`: with their expressions compiled. */
+  constructor(pixel, data, classes) {
+    Object.assign(this, { pixel, names: data.names, lamps: data.lamps, classes });
     this.paths = pixel.contributions.map((c, i) => this.path(c, i));
     this.paths.sort((a, b) => b.brightness - a.brightness);
   }
 
   path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance, lightVertex, densities,
-    weights, omission, panes], i) {
+    weights, omission, panes, lamp], i) {
     const sample = this.pixel.samples.findIndex(([first, last]) => i >= first && i < last);
     const found = { technique: this.names[technique], end, isInfinite, weight, pdf, otherPdf, cls, radiance, sample,
       densities, panes, omission: this.names[omission], estimate: this.pixel.estimates[estimate],
@@ -42,8 +36,10 @@ class PixelPaths {
     found.steps = this.stepsTo(found.byRay ? step : this.pixel.vertices[last]?.[0] ?? -1);
     found.vertices = this.verticesTo(last);
     found.lightVertices = this.lightVerticesFrom(lightVertex);
-    found.word = this.word(found);
+    found.letters = this.lettersOf(found, lamp);
+    found.word = found.letters.map((l) => l.letter).join("");
     found.brightness = luminance(...radiance) / this.pixel.samples.length;
+    if (cls === UNCLASSIFIED) found.cls = this.classOf(found);
     return found;
   }
 
@@ -65,32 +61,51 @@ class PixelPaths {
   }
 
   /** Vertices of the light path, from a vertex to the light: [previous, event at the previous vertex, position, flux,
-   *  object, material, non-delta lobes; of the event at the previous vertex: lobe, pdf, reverse pdf]. */
+   *  object, material, non-delta lobes; of the event at the previous vertex: lobe, pdf, reverse pdf; names of the
+   *  surface]. */
   lightVerticesFrom(vertex) {
     const out = [];
     for (; vertex >= 0; vertex = this.pixel.lightVertices[vertex][0]) out.push(this.pixel.lightVertices[vertex]);
     return out;
   }
 
-  /** Word of a path: L, the events from the light on, E; events of photons that are not known are an ellipsis. */
-  word({ technique, byRay, panes, steps, vertices, lightVertices }) {
+  /** Word of a path: L, the events from the light on, E, with the names of lights and surfaces as far as they are
+   * known. An unknown number of events of photons is one letter. */
+  lettersOf({ technique, byRay, panes, steps, vertices, lightVertices }, lamp) {
+    const namesOf = (vertex) => vertex ? vertex[8].map((name) => this.names[name]) : null;
     // The event of a vertex next to the light is that of the start, which is none.
-    const light = lightVertices.slice(0, -2).map((v) => v[1]).reverse().join("");
-    const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
-    if (byRay) return `L${letters}E`;
-    if (technique === "light sample") return `L${"S".repeat(panes)}${at}${letters}E`;
-    if (technique === "merge" || technique === "patches" || technique === "ambient term") return `L${lightVertices.length > 0 ? light : "…"}${at}${letters}E`;
-    if (technique === "connection") return `L${light}D${at}${letters}E`;
-    return `L…${letters}E`;
+    const named = (names) => names?.map((name) => this.names[name]) ?? null;
+    const light = lightVertices.slice(0, -2).map((v, k) => ({ letter: v[1], names: named(lightVertices[k + 1][10]) })).reverse();
+    const events = steps.map((s) => ({ letter: s[1], names: namesOf(this.pixel.vertices[s[0]]) })).reverse();
+    const last = vertices.at(-1), at = { letter: last?.[5] ? "V" : "D", names: namesOf(last) };
+    const L = { letter: "L", names: lamp >= 0 ? [this.lamps[lamp]] : null }, E = { letter: "E", names: null };
+    const pane = { letter: "S", names: null };
+    if (byRay) return [L, ...events, E];
+    if (technique === "light sample") return [L, ...Array(panes).fill(pane), at, ...events, E];
+    if (["merge", "patches", "ambient term"].includes(technique))
+      return [L, ...(lightVertices.length > 0 ? light : [UNKNOWN]), at, ...events, E];
+    if (technique === "connection") return [L, ...light, { letter: "D", names: named(lightVertices[0]?.[10]) }, at, ...events, E];
+    return [L, UNKNOWN, ...events, E];
   }
 
-  /** Whether an expression contains a path of this word and class. */
+  /** All words that a path may have. */
+  wordsOf(path) {
+    const at = path.letters.indexOf(UNKNOWN);
+    if (at < 0) return [path.letters];
+    return PREFIXES.map((events) => [...path.letters.slice(0, at), ...events, ...path.letters.slice(at + 1)]);
+  }
+
+  /** Whether an expression may contain a path: a word of its class. */
   matches(path, expression) {
-    if (!path.word.includes("…")) return expression.test(path.word);
-    // JavaScript has no set operations: a class whose expression uses them gets all words that no other class contains.
-    const all = this.classes.map((c) => expressionOf(c.expression)), own = all[path.cls];
-    const isOwn = (word) => own ? own.test(word) : !all.some((other) => other?.test(word));
-    return PREFIXES.map((p) => path.word.replace("…", p)).some((word) => expression.test(word) && isOwn(word));
+    const own = this.classes[path.cls]?.compiled, words = this.wordsOf(path);
+    return words.some((word) => expression.contains(word) && (words.length === 1 || !own || own.contains(word)));
+  }
+
+  /** The class of all words that a path may have; NO_CLASS if they have several. */
+  classOf(path) {
+    const all = new Set(this.wordsOf(path).map((word) => this.classes.findIndex((c) => c.compiled?.contains(word))));
+    const [first] = all;
+    return all.size === 1 && first >= 0 ? first : NO_CLASS;
   }
 }
 
@@ -99,6 +114,8 @@ class PathView {
     this.view = view;
     this.data = data;
     this.hidden = new Set();
+    this.known = { lights: data.lightNames, surfaces: data.surfaceNames, classes: data.namedClasses };
+    this.classes = data.classes.map((c) => ({ ...c, compiled: this.compiled(c.expression).expression }));
     element("showPaths").addEventListener("input", () => this.draw());
     element("sample").addEventListener("input", () => this.update());
     element("filter").addEventListener("input", () => this.update());
@@ -108,7 +125,7 @@ class PathView {
 
   show(pixel) {
     this.pixel = pixel;
-    this.paths = new PixelPaths(pixel, this.data.names, this.data.classes);
+    this.paths = new PixelPaths(pixel, this.data, this.classes);
     this.chosen = null;
     element("pixelName").textContent = `${pixel.x}, ${pixel.y}`;
     const options = ["all", ...pixel.samples.keys()].map((name) => new Option(name, name));
@@ -144,10 +161,28 @@ class PathView {
     }));
   }
 
+  /** An expression { expression }, or the reason why there is none { reason }. */
+  compiled(text) {
+    try {
+      return { expression: new PathExpression(text, this.known) };
+    } catch (error) {
+      if (!(error instanceof ExpressionError)) throw error;
+      return { expression: null, reason: error.message };
+    }
+  }
+
   /** Paths that pass the filters, the brightest first. */
   shown() {
-    const text = element("filter").value.trim(), expression = text ? expressionOf(text) : null;
-    element("filter").classList.toggle("bad", text !== "" && !expression);
+    const text = element("filter").value, isEmpty = text.trim() === "";
+    let { expression, reason } = isEmpty ? { expression: null } : this.compiled(text);
+    const namesLight = /L\s*'/.test(text);
+    if (expression && namesLight && this.data.lamps.length === 0) {
+      expression = null;
+      reason = "this page does not know which light a path came from";
+    }
+    element("filter").classList.toggle("bad", !!reason);
+    element("filterReason").textContent = reason ? `Not filtered: ${reason}` : "";
+    element("filterReason").hidden = !reason;
     const sample = element("sample").value;
     return this.paths.paths.filter((path) => !this.hidden.has(path.cls)
       && (sample === "all" || path.sample === Number(sample)) && (!expression || this.paths.matches(path, expression)));
@@ -254,7 +289,7 @@ class PathView {
   }
 
   draw() {
-    const group = new THREE.Group(), R = this.data.radius, segments = [];
+    const group = new THREE.Group(), R = this.scale(), segments = [], first = [];
     const paths = !this.pixel || !element("showPaths").checked ? [] : this.chosen ? [this.chosen] : this.list;
     const brightest = Math.max(1e-30, ...paths.map((path) => path.brightness));
     for (const path of paths) {
@@ -263,18 +298,34 @@ class PathView {
       // The light's side is thinner, and the edge that joins both sides is thinnest.
       const join = 1 + path.vertices.length, hasLightPath = path.lightVertices.length > 0;
       const width = (i) => !hasLightPath || i < join ? radius : i === join ? 0.35 * radius : 0.6 * radius;
-      for (let i = 1; i < points.length; ++i) segments.push([points[i - 1], points[i], width(i), colour, i === 1]);
+      for (let i = 1; i < points.length; ++i)
+        (i === 1 ? first : segments).push([points[i - 1], points[i], width(i), colour, i === 1]);
       if (path.estimate) group.add(this.ring(path, colour));
     }
-    if (segments.length > 0) {
-      const geometry = tubes(segments);
+    const addTubes = (list, to) => {
+      if (list.length === 0) return;
+      const geometry = tubes(list);
       const mesh = (more) => new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ vertexColors: THREE.VertexColors, ...more }));
       // Parts behind walls are drawn translucent.
-      group.add(mesh({}), mesh({ depthTest: false, transparent: true, opacity: 0.3 }));
-      group.add(this.dots(paths));
-    }
-    element("view").dataset.segments = segments.length;
+      to.add(mesh({}), mesh({ depthTest: false, transparent: true, opacity: 0.3 }));
+    };
+    const fromEye = new THREE.Group();
+    addTubes(segments, group);
+    addTubes(first, fromEye);
+    group.add(fromEye);
+    if (paths.length > 0) group.add(this.dots(paths));
+    this.view.fromEye = fromEye; // hidden where the view is from the camera
+    element("view").dataset.segments = segments.length + first.length;
     this.view.replace("paths", group);
+  }
+
+  /** Length that widths are in proportion to: the scene's radius, or the length of camera rays if they are shorter. */
+  scale() {
+    const lengths = (this.pixel?.samples ?? []).map((sample) => {
+      const first = this.paths.paths.find((path) => this.pixel.samples[path.sample] === sample && path.vertices.length > 0);
+      return first ? vector(sample[2]).distanceTo(vector(first.vertices[0][1])) : Infinity;
+    });
+    return Math.min(this.data.radius, ...lengths.filter((x) => x > 0));
   }
 
   /** Circle around the support of a density estimate. */

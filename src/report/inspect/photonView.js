@@ -11,6 +11,7 @@ class PhotonView {
       : `${count === inMap ? "All" : `${count} of`} ${inMap} ${name} of the integrator's last pass`
         + (count === inMap ? "." : `, each represents ${Math.round(inMap / count)}.`) + ` Limit: --shown-photons ${limit}.`;
     element("photonTools").hidden = count === 0;
+    element("photonColour").querySelector("[value=depth]").hidden = data.depths === 0;
     this.references = data.references.map((r) => ({ ...r, point: vector(r.position), normal: vector(r.normal), name: r.object }));
     this.drawReferences();
     element("atPixel").addEventListener("click", () => this.pick(this.offered));
@@ -23,17 +24,19 @@ class PhotonView {
 
   /** Colours of the photons, three bytes each. */
   colours(mode) {
-    const { count, kinds, powers } = this.photons, out = new Uint8Array(3 * count);
+    const { count, kinds, powers, depths } = this.photons, out = new Uint8Array(3 * count);
     const rgb = (colour) => new THREE.Color(colour).toArray().map((x) => Math.round(255 * x)), palette = new Map();
     const STEPS = 64, brightest = mode === "power" ? this.brightPower() : 1;
     const keyOf = {
       class: (i) => kinds[i] & ~CAUSTIC,
       map: (i) => kinds[i] & CAUSTIC,
+      depth: (i) => depths[i],
       power: (i) => Math.round(STEPS * Math.min(1,
         Math.sqrt(luminance(powers[3 * i], powers[3 * i + 1], powers[3 * i + 2]) / brightest))),
     }[mode];
     const colourOf = {
       class: (key) => rgb(classColour(key)),
+      depth: (key) => rgb(this.depthColour(key)),
       map: (key) => rgb(key ? "#ffd166" : "#4fa3ff"),
       power: (key) => rgb(new THREE.Color().setHSL(0.66 * (1 - key / STEPS), 1, 0.55)),
     }[mode];
@@ -45,8 +48,29 @@ class PhotonView {
     return out;
   }
 
+  /** Colour of a depth from 1, blue, on; 0: not known. */
+  depthColour(depth) {
+    const last = Math.max(2, this.data.depths);
+    return depth === 0 ? "#9aa2b1" : `hsl(${Math.round(220 * (1 - (depth - 1) / (last - 1)))}, 95%, 60%)`;
+  }
+
+  /** Lists the colours of the depths that occur, with their numbers of photons. */
+  listDepths() {
+    const isShown = element("photonColour").value === "depth", counts = new Map();
+    element("depthLegend").hidden = !isShown;
+    if (!isShown) return;
+    for (const depth of this.photons.depths) counts.set(depth, (counts.get(depth) ?? 0) + 1);
+    element("depthLegend").replaceChildren(...[...counts].sort((a, b) => a[0] - b[0]).map(([depth, count]) => {
+      const item = document.createElement("li"), isLast = depth === this.data.depths;
+      const name = depth === 0 ? "not known" : `${depth}${isLast ? " or more" : ""}`;
+      item.append(swatch(this.depthColour(depth)), ` ${name}: ${count}`);
+      return item;
+    }));
+  }
+
   draw() {
     const { count, positions } = this.photons;
+    this.listDepths();
     if (!element("showPhotons").checked || count === 0) {
       this.view.replace("photons", null);
       return;
@@ -96,11 +120,11 @@ class PhotonView {
 
   /** Collects the photons on the side of a surface that was clicked. `irradiance` and `error`: by path tracing, at
    * reference points only. */
-  pick({ point, normal, name, irradiance, error, samples }) {
+  pick({ point, normal, name, irradiance, error, samples, isSpecular = false }) {
     if (this.photons.count === 0) return;
     this.estimate = new Estimate(this.photons, this.view.mesh, { point, normal }, this.data.radius);
     this.reference = irradiance ? { value: irradiance, y: luminance(...irradiance), error, samples } : null;
-    Object.assign(this, { point, normal, name, answer: null });
+    Object.assign(this, { point, normal, name, isSpecular, answer: null });
     element("estimate").hidden = false;
     this.limits = [this.estimate.smallest, this.estimate.largest];
     this.setNumber(Math.min(100, this.estimate.found.length));
@@ -141,6 +165,7 @@ class PhotonView {
       ["luminance", `${numberText(y)} ± ${numberText(error)}`],
       ["noise", y > 0 ? `${(100 * error / y).toFixed(0)} %` : "–"],
       ["kernel on the surface", `${(100 * covered).toFixed(0)} %`]];
+    if (this.isSpecular) rows.splice(1, 0, ["photons", "none are stored here: the surface only reflects and refracts as mirrors and glass do"]);
     const { reference } = this;
     if (reference)
       rows.push(["path tracing, red green blue", reference.value.map(numberText).join("  ")],
@@ -210,7 +235,8 @@ class PhotonView {
       context.fillText(text, x, y + 13);
       const value = part * top / 1.1, [left, up] = place(0, value);
       context.textAlign = "right";
-      context.fillText(numberText(value), left - 5, up + 4);
+      // Without light there is no scale.
+      if (part === 0 || top > 1e-25) context.fillText(numberText(value), left - 5, up + 4);
       context.beginPath();
       context.moveTo(left, up);
       context.lineTo(place(1, value)[0], up);

@@ -36,6 +36,27 @@ function tubes(segments) {
   return geometry;
 }
 
+/**
+ * Narrows `data.center` and `data.radius`, which all views are in proportion to, to what the camera sees near it, if the
+ * scene is far larger: such as a beach with a horizon. The mesh is finest there, so that its triangles say where.
+ */
+function frame(data, mesh) {
+  const MUCH = 2, WIDER = 2, middle = data.camera[4], count = mesh.positions.length / 9;
+  data.sceneRadius = data.radius;
+  if (data.camera.some((ray) => !ray) || count === 0) return;
+  const eye = vector(middle.origin), direction = vector(middle.direction).normalize(), distances = [];
+  const cosine = Math.min(...data.camera.map((ray) => vector(ray.direction).normalize().dot(direction)));
+  for (let t = 0; t < count; ++t) {
+    const d = new THREE.Vector3().fromArray(mesh.positions, 9 * t).sub(eye), length = d.length();
+    if (d.dot(direction) >= cosine * length) distances.push(length);
+  }
+  if (distances.length === 0) return;
+  const median = Float64Array.from(distances).sort()[distances.length >> 1];
+  if (WIDER * MUCH * median > data.radius) return;
+  data.radius = WIDER * median;
+  data.center = eye.addScaledVector(direction, median).toArray();
+}
+
 class SceneView {
   /** Creates the view of `mesh`, whose positions, colours and objects are decoded. */
   constructor(data, mesh) {
@@ -43,6 +64,7 @@ class SceneView {
     this.mesh = mesh;
     this.center = vector(data.center);
     this.radius = data.radius;
+    this.far = 100 * Math.max(this.radius, 0.04 * data.sceneRadius);
     this.canvas = element("view");
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
@@ -52,7 +74,6 @@ class SceneView {
     this.plane = new THREE.Plane();
     this.addLights();
     this.addMesh();
-    this.addBoxes(mesh.boxes, 0x8aa0c0);
     this.addBoxes(data.media, 0x5fb0a0);
     this.addCamera();
     this.makeCameras();
@@ -124,8 +145,8 @@ class SceneView {
   makeCameras() {
     const r = this.radius;
     this.up = this.upAxis();
-    this.perspective = new THREE.PerspectiveCamera(45, 1, r * 1e-3, r * 100);
-    this.orthographic = new THREE.OrthographicCamera(-r, r, r, -r, -r * 100, r * 100);
+    this.perspective = new THREE.PerspectiveCamera(45, 1, r * 1e-3, this.far);
+    this.orthographic = new THREE.OrthographicCamera(-r, r, r, -r, -this.far, this.far);
     for (const camera of [this.perspective, this.orthographic]) camera.up.copy(this.up);
     this.controls = new Map([this.perspective, this.orthographic].map((camera) => {
       const controls = new THREE.OrbitControls(camera, this.canvas);
@@ -213,6 +234,10 @@ class SceneView {
       // Seen from the camera's position, the picture would cover the scene.
       const eye = this.data.camera[4], away = eye ? this.camera.position.distanceTo(vector(eye.origin)) : 0;
       this.frustum.visible = this.camera !== this.perspective || away > 0.3 * this.radius;
+      // So would the paths' segments from the camera.
+      const isFromCamera = this.camera === this.perspective && eye && away < 0.05 * this.radius;
+      if (this.fromEye) this.fromEye.visible = !isFromCamera;
+      this.canvas.dataset.segmentsFromCamera = this.fromEye && !isFromCamera ? "shown" : "hidden";
       this.headLight.position.copy(this.camera.position);
       this.headLight.target.position.copy(this.controls.get(this.camera).target);
       this.renderer.render(this.scene, this.camera);
@@ -234,10 +259,12 @@ class SceneView {
     return { point: hit.point, normal, faceIndex: hit.faceIndex };
   }
 
-  /** Surface at a position of the window: point, unit normal towards the viewer, name; null if there is none. */
+  /** Surface at a position of the window: point, unit normal towards the viewer, name, whether it is a mirror or clear
+   * glass; null if there is none. */
   pick(clientX, clientY) {
     const hit = this.firstHit(this.surface, clientX, clientY);
-    return hit ? { ...hit, name: this.mesh.names[this.mesh.objects[hit.faceIndex]] } : null;
+    return hit ? { ...hit, name: this.mesh.names[this.mesh.objects[hit.faceIndex]],
+      isSpecular: this.mesh.specular[hit.faceIndex] === 1 } : null;
   }
 
   /** Replaces the object of that name; null removes it. */

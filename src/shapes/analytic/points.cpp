@@ -303,8 +303,9 @@ void checkNormals(const Parameters& p, const PlyPoints& points) {
   const char* const source = p.has("N") ? "N" : p.has("filename") ? "filename" : "type";
   if (points.normals.size() != points.positions.size())
     p.fail(source,
-           std::to_string(points.normals.size()) + " normals given for " +
-               std::to_string(points.positions.size()) + " discs",
+           std::to_string(points.normals.size()) +
+               (points.normals.size() == 1 ? " normal given for " : " normals given for ") +
+               std::to_string(points.positions.size()) + (points.positions.size() == 1 ? " disc" : " discs"),
            "\"normal N\", or nx ny nz in the file, one for each point");
   for (size_t i = 0; i < points.normals.size(); ++i)
     if (!(glm::length(points.normals[i]) > 0) || !std::isfinite(glm::length(points.normals[i])))

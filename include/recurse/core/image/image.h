@@ -77,8 +77,9 @@ void writeImage(const std::string& fileName, const Image& image, const ImageWrit
 std::vector<unsigned char> encodedPng(const Image& encoded);
 
 /** Throws Error when a picture could not be written there: unknown extension, no such folder, not allowed.
- *  Called before a long render. */
-void checkImageWritable(const std::string& fileName);
+ * Called before a long render. `others`: further extensions that the caller writes itself, for the message,
+ * each after a space. */
+void checkImageWritable(const std::string& fileName, const std::string& others = {});
 
 /** Writes text to a file that appears under its name only when it is complete. Throws Error. */
 void writeFileAtomically(const std::string& fileName, const std::string& text);

@@ -25,6 +25,20 @@ struct ReferencePoint {
   int64_t samples = 0;
 };
 
+/** Path classes with which pixels and light paths are recorded: those of the page, then one for each lamp and
+ * one for each depth, from which the page takes the lamp of a path and the depth of a photon. */
+struct InspectClasses {
+  PathClasses classes;
+  size_t shown = 0;               ///< number of classes of the page
+  std::vector<std::string> lamps; ///< names of lamps; one alone has no class; empty: not known
+  size_t depths = 0;              ///< the last is for all greater depths; 0: not known
+};
+
+/** Classes with as many lamps and depths as one automaton and a film of `pixels` pixels allow. Throws Error
+ * like PathClasses. */
+InspectClasses inspectClasses(const std::vector<PathClass>& shown, const Scene& scene,
+                              const Integrator* integrator, size_t pixels);
+
 /** Content of the page. */
 struct Inspection {
   std::string title, label;          ///< scene, and settings of the render
@@ -41,6 +55,10 @@ struct Inspection {
   std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
   std::vector<FormFactors> factors;    ///< parallel to `patches`
   uint32_t factorRays = 0;             ///< rays for each patch; 0: no form factors, see formFactorRays()
+  std::vector<SurfaceKind> kinds;      ///< parallel to `photons`, see surfaceKindsOf(); empty: all are the same
+  size_t shownClasses = 0;             ///< see InspectClasses::shown; 0: all
+  std::vector<std::string> lamps;      ///< see InspectClasses
+  size_t depths = 0;                   ///< see InspectClasses
   bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
 
@@ -54,11 +72,16 @@ std::vector<std::string> recordNotes(const Integrator& integrator);
  * Sets `inMap` to the number of photons in the map. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
-/** Expression of the paths of `photonPaths` (see Integrator) in the classes of the photons. The classes of a
- * photon are those of its path continued by DE. Empty without photons, and if a photon is in no class.
- * `classes` must not name surfaces. */
+/** Kinds of the surfaces on which photons are; empty where the classes do not distinguish surfaces. */
+std::vector<SurfaceKind> surfaceKindsOf(const Scene& scene, const PathClasses& classes,
+                                        const std::vector<StoredPhoton>& photons);
+
+/** Expression of the paths of `photonPaths` (see Integrator) in the classes of the photons: the first `shown`
+ * classes, 0: all. The classes of a photon are those of its path continued by DE. Empty without photons, and
+ * if a photon is in no class. `kinds`: see surfaceKindsOf(). */
 std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
-                             const std::string& photonPaths);
+                             const std::string& photonPaths, const std::vector<SurfaceKind>& kinds = {},
+                             size_t shown = 0);
 
 /**
  * Estimates the irradiance E = π L / ρ at Lambertian surfaces of albedo ρ from the radiance L of `samples`
