@@ -181,9 +181,9 @@ TEST(Points, BadCloudsAreExplained) {
                             {affine(diagonal(1e3, 1e3, 1e3), {0, 0, 0})}, diagnostics));
   expect(diagnostics.format(), "point 0 is too large for single precision");
   expect(complaint("\"point3 P\" [0 0 0] \"float radius\" 1 \"string type\" \"disk\""),
-         "0 normals given for 1 discs");
+         "0 normals given for 1 disc");
   expect(complaint("\"point3 P\" [0 0 0] \"float radius\" 1 \"normal N\" [0 0 1 0 0 1]"),
-         "2 normals given for 1 discs");
+         "2 normals given for 1 disc");
   expect(complaint("\"point3 P\" [0 0 0] \"float radius\" 1 \"normal N\" [0 0 0]"),
          "the normal of point 0 is zero");
   expect(complaint("\"point3 P\" [0 0 0] \"float radius\" 1 \"string type\" \"cube\""), "\"disk\"");

@@ -72,8 +72,9 @@ TEST(SceneMesh, IsSimplifiedToTheLimit) {
 }
 
 TEST(SceneMesh, CurvesAreTubesAroundTheirAxes) {
-  const auto scene = sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
-                               "Shape \"curve\" \"point3 P\" [ 0 1 0  1 1 0  2 1 0  3 1 0 ] \"float width\" .2\n");
+  const auto scene =
+      sceneFrom(view(4, 4, "0 0 -5  0 0 0  0 1 0", perspective(40)) +
+                "Shape \"curve\" \"point3 P\" [ 0 1 0  1 1 0  2 1 0  3 1 0 ] \"float width\" .2\n");
   const SceneMesh mesh = meshOf(*scene, 1000);
   EXPECT_EQ(mesh.curves, 1u);
   EXPECT_EQ(mesh.shownCurves, 1u);
@@ -105,7 +106,8 @@ std::pair<double, double> errorAndArea(const Scene& scene, const SceneMesh& mesh
   for (size_t t = 0; t < mesh.triangles(); ++t) {
     std::array<Vec3d, 3> p;
     for (size_t k = 0; k < 3; ++k)
-      for (int c = 0; c < 3; ++c) p[k][c] = double(mesh.positions[9 * t + 3 * k + size_t(c)]) + scene.origin()[c];
+      for (int c = 0; c < 3; ++c)
+        p[k][c] = double(mesh.positions[9 * t + 3 * k + size_t(c)]) + scene.origin()[c];
     for (const Vec3d& corner : p) worst = std::max(worst, std::abs(distance(corner)));
     area += 0.5 * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
   }
@@ -139,9 +141,8 @@ Shape "csg" "string operation" "difference" "string operands" [ "block" "bore" ]
     const Vec3d q = magnitude(p) - half;
     return glm::length(glm::max(q, Vec3d(0))) + std::min(0.0, std::max({q.x, q.y, q.z}));
   };
-  const auto [worst, area] = errorAndArea(*scene, mesh, [&](const Vec3d& p) {
-    return std::max(box(p, Vec3d(1)), -box(p, Vec3d(0.5, 0.5, 2)));
-  });
+  const auto [worst, area] = errorAndArea(
+      *scene, mesh, [&](const Vec3d& p) { return std::max(box(p, Vec3d(1)), -box(p, Vec3d(0.5, 0.5, 2))); });
   EXPECT_LT(worst, 0.01); // half a cell would be 0.02 at the edges without sharp ones
   const double exact = 4 * 4 + 2 * 3 + 4 * 2;
   EXPECT_NEAR(area, exact, 0.02 * exact);
@@ -149,8 +150,9 @@ Shape "csg" "string operation" "difference" "string operands" [ "block" "bore" ]
 
 TEST(SceneMesh, SimplificationKeepsWhatTheCameraSees) {
   // A ball of 4 m before a camera on a plate of 100 km, both of more triangles than are allowed.
-  const auto scene = sceneFrom(view(4, 4, "0 0 -20  0 0 0  0 1 0", perspective(40)) +
-                               "Shape \"sphere\" \"float radius\" 2\nTranslate 0 -50003 0\nShape \"sphere\" \"float radius\" 50000\n");
+  const auto scene = sceneFrom(
+      view(4, 4, "0 0 -20  0 0 0  0 1 0", perspective(40)) +
+      "Shape \"sphere\" \"float radius\" 2\nTranslate 0 -50003 0\nShape \"sphere\" \"float radius\" 50000\n");
   const SceneMesh mesh = meshOf(*scene, 1000);
   EXPECT_LE(mesh.triangles(), 1000u);
   EXPECT_GT(mesh.triangles(), 500u);

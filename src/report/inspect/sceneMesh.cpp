@@ -229,6 +229,8 @@ class ViewScale {
 SceneMesh simplified(const SceneMesh& mesh, const ViewScale& scale, double cellSize) {
   std::unordered_map<uint64_t, const float*> representatives;
   std::unordered_set<uint64_t> triangles;
+  triangles.reserve(mesh.triangles() / 2);
+  representatives.reserve(mesh.triangles() / 4);
   SceneMesh out{{}, {}, {}, {}, mesh.names, mesh.before, mesh.sampledShapes, mesh.curves, mesh.shownCurves};
   for (size_t t = 0; t < mesh.triangles(); ++t) {
     std::array<uint64_t, 3> cells;
@@ -257,8 +259,8 @@ SceneMesh simplified(const SceneMesh& mesh, const ViewScale& scale, double cellS
 /** Simplifies a mesh to at most a number of triangles, and not much fewer. `cellSize`: first to try; becomes
  * the one that was used. */
 void simplifyTo(size_t most, const ViewScale& scale, double& cellSize, SceneMesh& mesh) {
-  constexpr double COARSER = 1.5;
-  constexpr int STEPS = 4; // of a bisection
+  constexpr double COARSER = 2.5;
+  constexpr int STEPS = 5; // of a bisection
   while (mesh.triangles() > most) {
     SceneMesh coarser = simplified(mesh, scale, cellSize);
     if (coarser.triangles() > most) {

@@ -14,8 +14,8 @@ extern const std::string_view CONVERGE_HTML, CONVERGE_CSS, CONVERGE_JS;
 extern const std::string_view METHODS_HTML, METHODS_CSS, METHODS_JS;
 extern const std::string_view MARKING_HTML, MARKING_CSS, MARKING_JS;
 extern const std::string_view LIVE_HTML, LIVE_CSS, LIVE_JS;
-extern const std::string_view INSPECT_HTML, INSPECT_CSS, PATH_EXPRESSION_JS, SCENE_VIEW_JS, PATH_VIEW_JS, ESTIMATE_JS,
-    PHOTON_VIEW_JS, FLIGHT_VIEW_JS, BOX_VIEW_JS, PATCH_VIEW_JS, INSPECT_JS;
+extern const std::string_view INSPECT_HTML, INSPECT_CSS, PATH_EXPRESSION_JS, SCENE_VIEW_JS, PATH_VIEW_JS,
+    ESTIMATE_JS, PHOTON_VIEW_JS, FLIGHT_VIEW_JS, BOX_VIEW_JS, PATCH_VIEW_JS, INSPECT_JS;
 extern const std::string_view THREE_MIN_JS, ORBIT_CONTROLS_JS; ///< three.js, from its Debian package
 extern const std::string_view CHART_MIN_JS;                    ///< Chart.js, from its Debian package
 

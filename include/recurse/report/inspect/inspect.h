@@ -55,11 +55,11 @@ struct Inspection {
   std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
   std::vector<FormFactors> factors;    ///< parallel to `patches`
   uint32_t factorRays = 0;             ///< rays for each patch; 0: no form factors, see formFactorRays()
-  std::vector<SurfaceKind> kinds;      ///< parallel to `photons`, see surfaceKindsOf(); empty: all are the same
-  size_t shownClasses = 0;             ///< see InspectClasses::shown; 0: all
-  std::vector<std::string> lamps;      ///< see InspectClasses
-  size_t depths = 0;                   ///< see InspectClasses
-  bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
+  std::vector<SurfaceKind> kinds; ///< parallel to `photons`, see surfaceKindsOf(); empty: all are the same
+  size_t shownClasses = 0;        ///< see InspectClasses::shown; 0: all
+  std::vector<std::string> lamps; ///< see InspectClasses
+  size_t depths = 0;              ///< see InspectClasses
+  bool isLive = false;            ///< the program serves the page, and answers referenceAt() for any point
 };
 
 /** Levels of Integrator::visitPhotonBoxes(): the last has up to 4096 boxes, enough for a clear picture. */
