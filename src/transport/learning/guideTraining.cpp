@@ -18,9 +18,9 @@ using Records = std::vector<GuideRecord>;
 
 /** Converts a camera path to records, one for each vertex left by a non-delta lobe: the light that the path
  * finds beyond the vertex, times the MIS weights with which the render would add it. */
-class PathRecorder {
+class TrainingPath {
  public:
-  explicit PathRecorder(Records& records) : records(records) {}
+  explicit TrainingPath(Records& records) : records(records) {}
 
   /** Adds radiance that the path has found, multiplied by its throughput. */
   void add(const Rgb& radiance) {
@@ -63,7 +63,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
   const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& rowCounts) {
     if (control.stopped()) return;
-    PathRecorder recorder(records);
+    TrainingPath recorder(records);
     PathRadiance direct(classes, rowCounts);
     CameraVertex vertex;
     BsdfRay last;
