@@ -147,6 +147,30 @@ TEST(MarkingReading, ToneOperatorsAreFoundAndNoClassIsJudged) {
   EXPECT_GT(found, 20);
 }
 
+TEST(MarkingReading, ToneCurveOnTopOfALimitedDepthIsFound) {
+  const Stills reference = renderedStills(markingScenes::room(), 128, 1);
+  for (const std::string depth : {"2"}) {
+    const Image light =
+        plainPicture(renderedStills(markingScenes::room(), 128, 3, "path", "\"integer maxdepth\" " + depth));
+    for (const std::string name : {"filmic", "aces", "reinhard", "drago"}) {
+      const Image picture = toneMapped(light, name);
+      const Marking marking = markExercise(picture, reference);
+      SCOPED_TRACE("depth " + depth + ", " + name + "\n" + markingText(marking));
+      EXPECT_EQ(marking.change, PictureChange{.encoding = ValueEncoding::TONE_CURVE});
+      for (const ClassMark& mark : marking.classes) EXPECT_EQ(mark.state, ClassState::UNKNOWN) << mark.name;
+    }
+  }
+}
+
+TEST(MarkingReading, EmissionAloneIsNoToneCurve) {
+  const Stills reference = renderedStills(markingScenes::corner(), 128, 1);
+  const Image picture =
+      sumOfLayers(reference, [](const std::string& name, int, int) { return name == "emitted" ? 1 : 0; });
+  const Marking marking = markExercise(picture, reference);
+  EXPECT_EQ(marking.change, PictureChange()) << markingText(marking);
+  EXPECT_EQ(marking.classes[1].state, ClassState::MISSING);
+}
+
 TEST(MarkingReading, FittedCurveIsTheCurve) {
   const Image light = waves(0.5, 5, 1);
   Image shown = light;

@@ -14,8 +14,9 @@ namespace recurse {
 
 namespace {
 
-/** Least slope of a curve in logarithms: a flatter one has no inverse. */
-constexpr double LEAST_SLOPE = 0.02;
+/** Slopes of a curve in logarithms: a flatter one has no inverse, a steeper one than the power 2.4 of sRGB's
+ * curve would make light black. */
+constexpr double LEAST_SLOPE = 0.02, MOST_SLOPE = 2.4;
 
 struct Pair {
   double key = 0;              ///< light of the black pixels of a cell
@@ -84,11 +85,17 @@ FittedCurve::FittedCurve(const Image& picture, const Image& light, CurveDomain d
       lights += pairs[start].light;
       values += pairs[start].value;
     }
-    if (!(lights > 0 && values > 0)) continue;
+    if (!(lights > 0)) continue;
+    if (!(values > 0)) { // light that is black is missing
+      knots.clear();
+      return;
+    }
     Knot knot{std::log(lights / count), std::log(values / count)};
     if (!knots.empty()) {
-      if (knot.light <= knots.back().light) continue;
-      knot.value = std::max(knot.value, knots.back().value + LEAST_SLOPE * (knot.light - knots.back().light));
+      const double width = knot.light - knots.back().light;
+      if (width <= 0) continue;
+      knot.value = std::clamp(knot.value, knots.back().value + LEAST_SLOPE * width,
+                              knots.back().value + MOST_SLOPE * width);
     }
     knots.push_back(knot);
   }

@@ -265,11 +265,12 @@ void findConfusion(Marking& marking, const StateFindings& whole) {
   if (confusion.classes.size() > 1 && any > KNOWN) marking.confusions.push_back(confusion);
 }
 
-/** Findings after a tone curve: it could hide wrong classes, all of which are taken to be right. */
-StateFindings unjudged(size_t layers) {
+/** Findings after a tone curve, which leaves the classes unjudged. */
+StateFindings unjudged(const std::vector<double>& factors) {
   StateFindings out;
-  out.classes.resize(layers);
-  out.best.assign(layers, ClassState::UNKNOWN);
+  out.classes.resize(factors.size());
+  for (size_t i = 0; i < factors.size(); ++i) out.classes[i].factor = factors[i];
+  out.best.assign(factors.size(), ClassState::UNKNOWN);
   return out;
 }
 
@@ -298,7 +299,7 @@ ReadMarks markAs(const Exercise& exercise, const Reading& reading) {
     throw Error("no part of the picture can be marked: all pixels are clipped at white or not finite");
   const std::vector<double> ones(layers, 1);
   const StateFindings whole =
-      reading.curve ? unjudged(layers)
+      reading.curve ? unjudged(reading.alignment.factors)
                     : findShown(sums, ones, std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
   marking.exposure = whole.exposure;
   marking.exposureError = whole.exposureError;
@@ -309,7 +310,7 @@ ReadMarks markAs(const Exercise& exercise, const Reading& reading) {
     MarkedRegion& marked = marking.regions.back();
     if (reading.curve) {
       marked.classes = whole.classes;
-      marked.unexplained = cells.misfit(region.range, ones).unexplained;
+      marked.unexplained = cells.misfit(region.range, reading.alignment.factors).unexplained;
     }
     area += areaOf(marked);
     if (marked.unexplained > MARKED_RESIDUAL) unexplained += areaOf(marked);

@@ -28,6 +28,17 @@ double explainingFactor(const ClassFinding& local, const ClassFinding& whole) {
   return isScaled && whole.state == ClassState::SCALED ? whole.factor : local.factor;
 }
 
+/** Light of the classes with factors. */
+Image sumOf(const Image& reference, const std::vector<double>& factors) {
+  Image out(reference.width, reference.height, {"R", "G", "B"});
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      for (size_t i = 0; i < factors.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+          out.at(x, y)[c] += static_cast<float>(factors[i] * double(reference.at(x, y)[3 * (i + 1) + c]));
+  return out;
+}
+
 /** Light of the reference with the factors of the marks, region by region. */
 Image predictedLight(const ReadMarks& marks, const Image& reference) {
   Image out(reference.width, reference.height, {"R", "G", "B"});
@@ -69,8 +80,16 @@ std::vector<Reading> curveReadings(const Exercise& exercise, PictureChange chang
   const Image values = undone(exercise.usable, change);
   std::vector<Reading> out;
   for (const CurveDomain domain : {CurveDomain::CHANNELS, CurveDomain::LUMINANCE}) {
-    FittedCurve curve(values, exercise.reference.image, domain, exercise.side);
-    if (curve.isKnown()) out.push_back({{change, std::vector<double>(exercise.layers, 1)}, std::move(curve)});
+    std::vector<double> factors(exercise.layers, 1);
+    // The curve by the factors and the factors by the curve, in turns: each makes the residual smaller.
+    constexpr int TURNS = 6;
+    for (int turn = 0; turn < TURNS; ++turn) {
+      FittedCurve curve(values, sumOf(exercise.reference.image, factors), domain, exercise.side);
+      if (!curve.isKnown()) break;
+      const std::vector<double> next = fittedFactors(curve.light(values), exercise.reference);
+      if (turn == 0 || turn + 1 == TURNS) out.push_back({{change, factors}, std::move(curve), turn > 0});
+      factors = next;
+    }
   }
   return out;
 }
@@ -90,6 +109,10 @@ double scoreOf(const Exercise& exercise, const Reading& reading, const ReadMarks
   cells.weigh({1});
   const Marking& marking = marks.marking;
   double mistakes = double(marking.confusions.size()), free = reading.curve ? double(FittedCurve::KNOTS) : 0;
+  if (reading.hasFreeClasses) {
+    ++mistakes;
+    free += double(exercise.layers - 1); // the curve has the exposure
+  }
   const auto addScaled = [&] { ++mistakes, ++free; };
   if (marking.exposureError > 0) addScaled();
   for (const ClassMark& mark : marking.classes)

@@ -17,6 +17,7 @@ namespace recurse {
 struct Reading {
   Alignment alignment;
   std::optional<FittedCurve> curve; ///< with ValueEncoding::TONE_CURVE
+  bool hasFreeClasses = false;      ///< with a curve: factors of classes were fitted together with it
 
   /** Light of a picture, aligned with the reference. */
   Image light(const Image& picture) const;
@@ -26,7 +27,8 @@ struct Reading {
 
 /** Readings by the known encodings. */
 std::vector<Reading> encodedReadings(const Exercise& exercise);
-/** Readings by tone curves, with the flips and the shift of a change. */
+/** Readings by tone curves, with the flips and the shift of a change: with all classes right, and with free
+ * ones. */
 std::vector<Reading> curveReadings(const Exercise& exercise, PictureChange change);
 
 /** Marks by a reading. */
