@@ -137,10 +137,10 @@ class InspectPage(OfflinePage):
         self.assertEqual(sorted(self.words(f"L'{lamp}'.*E")), sorted(whole))
         # The surface that the pixel shows.
         pixel = self.data["pixels"][PIXELS.index(PIXELS[1])]
-        seen = self.data["names"][pixel["vertices"][0][7][0]]
+        seen = self.data["names"][pixel["vertices"][0][8][0]]
         self.assertEqual(set(self.words(f"L.*D'{seen}'E")), {w for w in whole if w.endswith("DE")})
         other = next(name for name in self.data["surfaceNames"]
-                     if name not in [self.data["names"][i] for i in pixel["vertices"][0][7]])
+                     if name not in [self.data["names"][i] for i in pixel["vertices"][0][8]])
         self.assertFalse([w for w in self.words(f"L.*D'{other}'E")])
         self.change("filter", "value", "L'nosuch'DE")
         self.assertIn("the scene has no light named 'nosuch'; accepted: '", self.text("#filterReason"))
@@ -666,7 +666,7 @@ class Names(OfflinePage):
                 "--pixel", "9,16")
         browser.open(self.page, "document.body.dataset.ready === 'yes'")
         data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
-        named = [[data["names"][i] for i in v[4]] for v in data["pixels"][0]["lightVertices"] if v[4]]
+        named = [[data["names"][i] for i in v[10]] for v in data["pixels"][0]["lightVertices"] if v[10]]
         self.assertIn(["ball"], named)
         # Balls light the floor; a floor lights no floor.
         def words(filter):
