@@ -5,6 +5,8 @@
 
 #include <map>
 
+#include <nlohmann/json.hpp>
+
 #include "recurse/report/inspect/inspect.h"
 #include "recurse/transport/integrator/sceneNames.h"
 
