@@ -74,7 +74,7 @@ struct RenderResult {
   const LoadedScene& loaded;
   uint64_t seed = 0;
   std::vector<PathClass> classes; ///< the film's layers
-  TransientFrames frames;         ///< of a transient render: the last layers of `classes`
+  TransientFrames frames;         ///< frames of a transient render, the last layers of `classes`
   std::string optionsText;        ///< RenderOptions::text
   Film film;                      ///< of a FirstPicture, if that has replaced the picture
   RenderStatistics statistics;

@@ -30,29 +30,20 @@ constexpr uint64_t BATCH = 4096;
 constexpr double MERGE_PIXELS = 1.5;
 
 /** Probes the surfaces around vertices of camera paths. Merges close to them need no probe rays of their own,
- * which would be most of the rays. */
+ * which would be most of the rays. The vertices take the place of photons in the cache. */
 RadiusCache probeSurfaces(const Scene& scene) {
   constexpr int ACROSS = 64, MAX_DEPTH = 4, NEAREST = 12;
   constexpr uint64_t STREAM = 0x4d45524745ull;
-  using Places = std::vector<Photon>;
-  const auto follow = [](Places& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
-                         TransportCounts&) {
-    CameraVertex vertex;
-    while (walker.next(path, vertex, sampler)) {
-      if (vertex.isConnectable()) {
+  TransportCounts counts;
+  PhotonMap map;
+  map.build(collectAtCameraVertices<Photon>(
+      scene, ACROSS, MAX_DEPTH, STREAM, counts,
+      [](std::vector<Photon>& found, const CameraSubpath&, const CameraVertex& vertex) {
+        if (!vertex.isConnectable()) return;
         Photon& photon = found.emplace_back();
         photon.position = vertex.point().position;
         photon.direction = packDirection(vertex.wi);
-      }
-      if (!walker.scatter(path, vertex, sampler)) break;
-    }
-  };
-  TransportCounts counts;
-  Places all;
-  for (const Places& row : followCameraPaths(scene, ACROSS, MAX_DEPTH, STREAM, counts, Places(), follow))
-    all.insert(all.end(), row.begin(), row.end());
-  PhotonMap map;
-  map.build(all);
+      }));
   GatherSettings search;
   search.nearest = NEAREST;
   search.radius = scene.bounds().radius;

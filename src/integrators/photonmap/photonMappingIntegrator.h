@@ -12,8 +12,8 @@ namespace recurse {
 /** Estimates at a non-delta vertex, against which the rays that leave it are weighted. */
 struct VertexEstimates {
   bool byRays = false;           ///< no photons are stored there
-  LightSampleContext context;    ///< of the shadow rays
-  PhotonShare direct;            ///< of light that the shadow rays sample
+  LightSampleContext context;    ///< context that the shadow rays are sampled with
+  PhotonShare direct;            ///< share of photons in the light that shadow rays sample
   float directWeight = 0;        ///< PathState::remainingWeight without the weight of `direct`
   float causticMergeDensity = 0; ///< merge density of caustic photons, see MergeRatio
   bool weighsIndirect = false;   ///< see GatherSettings::weighedAgainstRays

@@ -72,12 +72,11 @@ class PixelPaths {
   /** Word of a path: L, the events from the light on, E, with the names of lights and surfaces as far as they are
    * known. An unknown number of events of photons is one letter. */
   lettersOf({ technique, byRay, panes, steps, vertices, lightVertices }, lamp) {
-    const namesOf = (vertex) => vertex ? vertex[8].map((name) => this.names[name]) : null;
-    // The event of a vertex next to the light is that of the start, which is none.
     const named = (names) => names?.map((name) => this.names[name]) ?? null;
+    // The event of a vertex next to the light is that of the start, which is none.
     const light = lightVertices.slice(0, -2).map((v, k) => ({ letter: v[1], names: named(lightVertices[k + 1][10]) })).reverse();
-    const events = steps.map((s) => ({ letter: s[1], names: namesOf(this.pixel.vertices[s[0]]) })).reverse();
-    const last = vertices.at(-1), at = { letter: last?.[5] ? "V" : "D", names: namesOf(last) };
+    const events = steps.map((s) => ({ letter: s[1], names: named(this.pixel.vertices[s[0]]?.[8]) })).reverse();
+    const last = vertices.at(-1), at = { letter: last?.[5] ? "V" : "D", names: named(last?.[8]) };
     const L = { letter: "L", names: lamp >= 0 ? [this.lamps[lamp]] : null }, E = { letter: "E", names: null };
     const pane = { letter: "S", names: null };
     if (byRay) return [L, ...events, E];

@@ -28,29 +28,31 @@ double explainingFactor(const ClassFinding& local, const ClassFinding& whole) {
   return isScaled && whole.state == ClassState::SCALED ? whole.factor : local.factor;
 }
 
+/** Adds the light of the classes with factors to a pixel. */
+void addLight(const Image& reference, int x, int y, const std::vector<double>& factors, Image& out) {
+  for (size_t i = 0; i < factors.size(); ++i)
+    for (size_t c = 0; c < 3; ++c)
+      out.at(x, y)[c] += static_cast<float>(factors[i] * double(reference.at(x, y)[3 * (i + 1) + c]));
+}
+
 /** Light of the classes with factors. */
 Image sumOf(const Image& reference, const std::vector<double>& factors) {
   Image out(reference.width, reference.height, {"R", "G", "B"});
   for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x)
-      for (size_t i = 0; i < factors.size(); ++i)
-        for (size_t c = 0; c < 3; ++c)
-          out.at(x, y)[c] += static_cast<float>(factors[i] * double(reference.at(x, y)[3 * (i + 1) + c]));
+    for (int x = 0; x < out.width; ++x) addLight(reference, x, y, factors, out);
   return out;
 }
 
 /** Light of the reference with the factors of the marks, region by region. */
 Image predictedLight(const ReadMarks& marks, const Image& reference) {
   Image out(reference.width, reference.height, {"R", "G", "B"});
-  for (const MarkedRegion& region : marks.marking.regions)
+  for (const MarkedRegion& region : marks.marking.regions) {
+    std::vector<double> factors;
+    for (size_t i = 0; i < region.classes.size(); ++i)
+      factors.push_back(marks.whole.exposure * explainingFactor(region.classes[i], marks.whole.classes[i]));
     for (int y = region.y; y < region.y + region.height; ++y)
-      for (int x = region.x; x < region.x + region.width; ++x)
-        for (size_t i = 0; i < region.classes.size(); ++i) {
-          const double factor =
-              marks.whole.exposure * explainingFactor(region.classes[i], marks.whole.classes[i]);
-          for (size_t c = 0; c < 3; ++c)
-            out.at(x, y)[c] += static_cast<float>(factor * double(reference.at(x, y)[3 * (i + 1) + c]));
-        }
+      for (int x = region.x; x < region.x + region.width; ++x) addLight(reference, x, y, factors, out);
+  }
   return out;
 }
 

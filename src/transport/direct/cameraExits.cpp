@@ -31,9 +31,8 @@ void findExits(const Scene& scene, const std::vector<size_t>& distant, int resol
                std::vector<CameraExit>& exits, TransportCounts& counts) {
   constexpr int MAX_DEPTH = 5;
   constexpr uint64_t STREAM = 0x504f5254414cull;
-  using Exits = std::vector<CameraExit>;
-  const auto follow = [&](Exits& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
-                          TransportCounts& pathCounts) {
+  const auto follow = [&](std::vector<CameraExit>& found, CameraSubpath& path, CameraWalker& walker,
+                          Sampler& sampler, TransportCounts& pathCounts) {
     CameraVertex vertex;
     bool seenByCamera = true; // directly visible sky needs no photons
     const auto leave = [&](const Hit* hit) {
@@ -56,9 +55,9 @@ void findExits(const Scene& scene, const std::vector<size_t>& distant, int resol
       if (!walker.scatter(path, vertex, sampler)) break;
     }
   };
-  for (const Exits& row :
-       followCameraPaths(scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, Exits(), follow))
-    exits.insert(exits.end(), row.begin(), row.end());
+  const std::vector<CameraExit> found = collectFromCameraPaths<CameraExit>(
+      scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, follow);
+  exits.insert(exits.end(), found.begin(), found.end());
 }
 
 /** Moves exits to the crossings of their last segments with others; removes those without. */

@@ -40,4 +40,30 @@ std::vector<Row> followCameraPaths(const Scene& scene, int resolution, int maxDe
   return rows;
 }
 
+/** The same for rows that are lists; returns their items as one list. */
+template <class Item, class Follow>
+std::vector<Item> collectFromCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
+                                         TransportCounts& counts, const Follow& follow) {
+  using Items = std::vector<Item>;
+  Items all;
+  for (const Items& row : followCameraPaths(scene, across, maxDepth, seed, counts, Items(), follow))
+    all.insert(all.end(), row.begin(), row.end());
+  return all;
+}
+
+/** The same; add(items, path, vertex) may append items at each vertex of a path. */
+template <class Item, class Add>
+std::vector<Item> collectAtCameraVertices(const Scene& scene, int across, int maxDepth, uint64_t seed,
+                                          TransportCounts& counts, const Add& add) {
+  const auto follow = [&](std::vector<Item>& items, CameraSubpath& path, CameraWalker& walker,
+                          Sampler& sampler, TransportCounts&) {
+    CameraVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      add(items, path, vertex);
+      if (!walker.scatter(path, vertex, sampler)) break;
+    }
+  };
+  return collectFromCameraPaths<Item>(scene, across, maxDepth, seed, counts, follow);
+}
+
 } // namespace recurse

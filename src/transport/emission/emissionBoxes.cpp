@@ -23,19 +23,11 @@ std::vector<WeightedPosition> cameraVertices(const Scene& scene, uint64_t seed, 
   constexpr int ACROSS = 64, MAX_DEPTH = 3;
   constexpr size_t MIN_POSITIONS = 64;
   constexpr uint64_t STREAM = 0x41494d53ull;
-  using Positions = std::vector<WeightedPosition>;
-  const auto follow = [](Positions& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
-                         TransportCounts&) {
-    CameraVertex vertex;
-    while (walker.next(path, vertex, sampler)) {
-      found.push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
-      if (!walker.scatter(path, vertex, sampler)) break;
-    }
-  };
-  Positions positions;
-  for (const Positions& row :
-       followCameraPaths(scene, ACROSS, MAX_DEPTH, hashCombine(seed, STREAM), counts, Positions(), follow))
-    positions.insert(positions.end(), row.begin(), row.end());
+  std::vector<WeightedPosition> positions = collectAtCameraVertices<WeightedPosition>(
+      scene, ACROSS, MAX_DEPTH, hashCombine(seed, STREAM), counts,
+      [](std::vector<WeightedPosition>& found, const CameraSubpath& path, const CameraVertex& vertex) {
+        found.push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
+      });
   if (positions.size() < MIN_POSITIONS) positions.clear();
   return positions;
 }

@@ -92,11 +92,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
     }
     recorder.finish();
   };
-  Records all;
-  for (const Records& row :
-       followCameraPaths(scene, resolution, settings.maxDepth, seed, counts, Records(), follow))
-    all.insert(all.end(), row.begin(), row.end());
-  return all;
+  return collectFromCameraPaths<GuideRecord>(scene, resolution, settings.maxDepth, seed, counts, follow);
 }
 
 } // namespace

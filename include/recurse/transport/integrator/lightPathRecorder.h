@@ -34,9 +34,9 @@ struct RecordedLightVertex {
   Rgb flux{0};                        ///< emitted or on arrival, divided by the number of light paths [W]
   LightState state{};                 ///< path-class state before this vertex's event
   bool stored = false;                ///< kept as a photon, a virtual light or a vertex for connections
-  uint32_t object = 0;                ///< of a SURFACE, see Scene::objectName()
+  uint32_t object = 0;                ///< object of a SURFACE vertex, see Scene::objectName()
   const Material* material = nullptr; ///< null unless it is a SURFACE
-  LobeSet lobes = NO_LOBE;            ///< of the BSDF
+  LobeSet lobes = NO_LOBE;            ///< all lobes of the BSDF
   LobeSet lobe = NO_LOBE;             ///< lobe of the event at the previous vertex; NO_LOBE after a START
   /** Density at the previous vertex of the direction to this one, and of the reverse direction from the
    * camera's side [1/sr]; 0: a delta, or parallel light. */

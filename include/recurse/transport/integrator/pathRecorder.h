@@ -26,7 +26,7 @@ enum class PathTechnique : uint8_t {
   MERGE,        ///< a density estimate from photons
   FLIGHT,       ///< a ray passed a medium that emits
   PATCHES,      ///< irradiance interpolated between patches
-  AMBIENT,      ///< a constant in the place of a path
+  AMBIENT,      ///< a constant ambient term, without a path
   SPLAT         ///< a connection of a light path to the camera, which has no record
 };
 
@@ -44,7 +44,7 @@ struct RecordedVertex {
   uint32_t object = 0;                ///< see Scene::objectName()
   const Material* material = nullptr; ///< null in a medium
   bool inMedium = false;
-  LobeSet lobes = NO_LOBE; ///< of the BSDF
+  LobeSet lobes = NO_LOBE; ///< all lobes of the BSDF
   Rgb throughput{1};       ///< incoming throughput
 };
 
@@ -159,7 +159,8 @@ class PathRecorder {
   RecordedSource source; ///< of the contributions that follow
   /** Vertices of the light paths that the samples were joined with. */
   std::vector<RecordedLightVertex> lightVertices;
-  std::vector<RecordedWeight> weights; ///< of contributions, see RecordedSource::firstWeight
+  std::vector<RecordedWeight>
+      weights; ///< technique weights of all contributions, see RecordedSource::firstWeight
 
   const std::vector<RecordedSample>& samples() const { return recordedSamples; }
   const std::vector<RecordedVertex>& vertices() const { return recordedVertices; }
