@@ -60,7 +60,8 @@ class PlaceFinder {
       : scene(scene), first(first), search(search), rays(rays), counts(counts) {}
 
   /** Creates records at every `every`-th photon and at all visible points, with the distance to the k-th
-   * photon. Records at photons come first; their number is stored in `ofPhotons`. */
+   * photon, not yet fitted to the surface. Records at photons come first; their number is stored in
+   * `ofPhotons`. */
   std::vector<Record> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
     std::vector<Record> records((first.size() + every - 1) / every);
     const size_t tried = records.size();
@@ -90,9 +91,9 @@ class PlaceFinder {
       record.error = glm::length(found->point.error);
       record.footprint = found->footprint;
       record.bothSides = found->transmits;
-      settle(
-          record, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, taskCounts);
+      record.radius = kthDistance(regionAt(record), scratch);
     });
+    // Photons that coincide in one point have no density.
     const auto none = [](const Record& record) { return record.radius == 0; };
     ofPhotons =
         tried - static_cast<size_t>(std::count_if(records.begin(), records.begin() + ptrdiff_t(tried), none));
@@ -100,68 +101,77 @@ class PlaceFinder {
     return records;
   }
 
-  /** Computes the errors, and if `choosesAreas` replaces supports where a different area has less error. */
-  void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
-             bool choosesAreas) {
-    const Measured measured = measure(records, ofPhotons);
-    // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011), the mean has P^(alpha-1) /
-    // alpha of the first pass's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
-    // have the same order.
-    const double biasWeight = (2 - alpha) / square(alpha);
+  /** Fits all radii to the surfaces around the records. */
+  void fit(std::vector<Record>& records) {
     forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
-      Record& record = records[i];
-      const float radius = record.radius;
-      const Evidence evidence = evidenceAt(records, measured, record, scratch);
-      if (evidence.recordCount == 0) return;
-      const SupportErrors& errors = evidence.absolute;
-      const size_t best =
-          choosesAreas ? evidence.relative.best(biasWeight, detail) : size_t{SupportErrors::OWN};
-      record.irradiance = static_cast<float>(errors.irradiance / evidence.recordCount);
-      record.variance = static_cast<float>(errors.variance[best] / evidence.recordCount);
-      double bias2 = 0;
-      for (size_t j = 0; j < best; ++j) bias2 += errors.sureBias2(j);
-      record.bias2 = static_cast<float>(biasWeight * bias2 / evidence.recordCount);
-      if (rays.lights) record.benefit = benefitOf(errors, best, double(record.bias2), evidence.recordCount);
-      if (best == SupportErrors::OWN) return;
-      settle(
-          record, i, [&](const GatherRegion&) { return radius * ofArea(best); }, taskCounts);
+      fitToPhotons(records[i], i, 1, scratch, taskCounts);
     });
   }
 
+  /** Measures the errors of supports at some of the records, estimates those of all from their neighbours, and
+   * fits the radii to the surfaces; if `choosesAreas` to the areas of least error. */
+  void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
+             bool choosesAreas) {
+    const Measured measured = measure(records, ofPhotons);
+    std::vector<Record> fitted = measured.records;
+    forAll(fitted.size(), [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
+      const Evidence evidence = evidenceAt(measured, fitted[m], scratch);
+      const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
+      if (area != SupportErrors::OWN) scaleRadius(fitted[m], measured.indices[m], ofArea(area), taskCounts);
+      setErrors(fitted[m], evidence, area, alpha);
+    });
+    forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
+      Record& record = records[i];
+      if (record.around.reach > 0) return;
+      const Evidence evidence = evidenceAt(measured, record, scratch);
+      const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
+      const float scale = ofArea(area);
+      takeSurroundings(record, nearestIn(fitted, measured.positions, record, scratch), scale);
+      fitToPhotons(record, i, std::max(1.0f, scale), scratch, taskCounts);
+      if (area != SupportErrors::OWN) scaleRadius(record, i, scale, taskCounts);
+      setErrors(record, evidence, area, alpha);
+    });
+    for (size_t m = 0; m < fitted.size(); ++m) records[measured.indices[m]] = fitted[m];
+  }
+
  private:
-  /** Records at which the errors of supports are measured, by index of measurement. */
+  /** Records at which the errors of supports are measured. */
   struct Measured {
-    std::vector<size_t> indices;
+    std::vector<size_t> indices; ///< of all records
+    std::vector<Record> records; ///< before any choice of area
     std::vector<SupportErrors> errors;
-    std::vector<float> radii; ///< before any choice of area
     PhotonMap positions;
     double dark2 = 0; ///< squared irradiance that counts as dark
   };
 
-  Measured measure(const std::vector<Record>& records, size_t ofPhotons) {
+  /** Fits some of the records, and measures the errors of their supports. */
+  Measured measure(std::vector<Record>& records, size_t ofPhotons) {
     constexpr size_t MAX_MEASURED = 4096; // records of each kind
     constexpr double DARK = 0.3;          // over the mean irradiance
     Measured measured;
+    std::vector<size_t>& indices = measured.indices;
     const auto measureSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
-      for (size_t i = from; i < end; i += stride) measured.indices.push_back(i);
+      for (size_t i = from; i < end; i += stride) indices.push_back(i);
     };
     measureSome(0, ofPhotons);
     measureSome(ofPhotons, records.size());
-    const size_t count = measured.indices.size();
+    const size_t count = indices.size();
     std::vector<Photon> at(count);
     measured.errors.resize(count);
-    measured.radii.resize(count);
-    forAll(count, [&](size_t m, PhotonScratch&, TransportCounts& taskCounts) {
-      const size_t i = measured.indices[m];
+    measured.records.resize(count);
+    forAll(count, [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
+      const size_t i = indices[m];
+      Record& record = records[i];
+      fitToPhotons(record, i, 1, scratch, taskCounts);
       SupportErrors& errors = measured.errors[m];
-      at[m].position = records[i].position;
-      measured.radii[m] = records[i].radius;
-      GatherRegion region = regionAt(records[i]);
-      BoundaryCorrection boundary = surroundingsOf(records[i], i);
-      region.flatness = flatnessOf(records[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
-      errors = supportErrors(first, region, search.kernel, records[i].error, boundary, rays, taskCounts);
-      if (rays.lights) addDirect(records[i], i, errors, taskCounts);
+      at[m].position = record.position;
+      measured.records[m] = record;
+      GatherRegion region = regionAt(record);
+      BoundaryCorrection boundary = surroundingsOf(record, i);
+      region.flatness = flatnessOf(record, boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
+      errors = supportErrors(first, region, search.kernel, record.error, boundary, rays, taskCounts);
+      if (rays.lights) addDirect(record, i, errors, taskCounts);
     });
     double mean = 0;
     for (const SupportErrors& e : measured.errors) mean += e.irradiance / static_cast<double>(count);
@@ -172,8 +182,7 @@ class PlaceFinder {
 
   /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
    * unequal their powers, the larger the neighbourhood: it has the evidence of PHOTONS equal photons. */
-  static Evidence evidenceAt(const std::vector<Record>& records, const Measured& measured,
-                             const Record& record, PhotonScratch& scratch) {
+  static Evidence evidenceAt(const Measured& measured, const Record& record, PhotonScratch& scratch) {
     constexpr int NEAREST = 16;
     constexpr float PHOTONS = 8;
     constexpr float COHERENT = 0.7f;
@@ -187,11 +196,11 @@ class PlaceFinder {
     const auto add = [&](const PhotonBlock& block, bool onlySeen) {
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
         const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)));
-        const Record& other = records[measured.indices[m]];
-        const float radius = measured.radii[m];
-        if (!(std::max(record.radius, radius) < MAX_RATIO * std::min(record.radius, radius))) continue;
+        const Record& other = measured.records[m];
+        const auto [narrow, wide] = std::minmax(record.radius, other.radius);
+        if (!(wide < MAX_RATIO * narrow)) continue;
         const bool seen =
-            glm::dot(record.normal, other.normal) > COHERENT && record.around.sees(other.position);
+            glm::dot(record.normal, other.normal) > COHERENT && other.around.sees(record.position);
         if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
       }
     };
@@ -203,6 +212,45 @@ class PlaceFinder {
     region.radius = record.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
     positions.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
     return evidence.recordCount < nearest.recordCount ? nearest : evidence;
+  }
+
+  /** Index of the support with the least expected error over many passes. */
+  static size_t areaOf(const Evidence& evidence, double alpha, LightDetail detail, bool choosesAreas) {
+    return choosesAreas && evidence.recordCount > 0 ? evidence.relative.best(biasWeightOf(alpha), detail)
+                                                    : size_t{SupportErrors::OWN};
+  }
+  /** Weight of bias² against variance. Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker
+   * 2011), the mean has P^(alpha-1) / alpha of the first pass's bias and P^-alpha / (2 - alpha) of its
+   * variance; for alpha = 2/3 both errors have the same order. */
+  static double biasWeightOf(double alpha) { return (2 - alpha) / square(alpha); }
+
+  void setErrors(Record& record, const Evidence& evidence, size_t area, double alpha) const {
+    const int count = evidence.recordCount;
+    if (count == 0) return;
+    const SupportErrors& errors = evidence.absolute;
+    record.irradiance = static_cast<float>(errors.irradiance / count);
+    record.variance = static_cast<float>(errors.variance[area] / count);
+    double bias2 = 0;
+    for (size_t j = 0; j < area; ++j) bias2 += errors.sureBias2(j);
+    record.bias2 = static_cast<float>(biasWeightOf(alpha) * bias2 / count);
+    if (rays.lights) record.benefit = benefitOf(errors, area, double(record.bias2), count);
+  }
+
+  static const Record& nearestIn(const std::vector<Record>& fitted, const PhotonMap& positions,
+                                 const Record& record, PhotonScratch& scratch) {
+    return fitted[positions.emissionIndex(positions.nearestSlot(record.position, scratch))];
+  }
+
+  /** Copies the geometry around a fitted record on the same surface, if that is known to be flat as far as a
+   * record with `scale` times the radius needs to know it, and nothing is close above. */
+  static void takeSurroundings(Record& record, const Record& fitted, float scale) {
+    const float away = glm::distance(record.position, fitted.position);
+    if (ENOUGH * scale * record.radius + away > fitted.around.flat || fitted.around.clearance < INFINITE ||
+        !fitted.isOnSurfaceOf(record.position, record.normal))
+      return;
+    record.around = fitted.around;
+    record.around.reach -= away;
+    record.around.flat -= away;
   }
 
   /** Calls f(i, scratch, counts) in parallel for 0 <= i < count. */
@@ -260,37 +308,50 @@ class PlaceFinder {
                                      : search.flatness;
   }
 
-  /** Fits the radius of a record whose radius from photons alone is `radius(region)`. If this is 0, the
-   * photons searched for coincide in one point, which has no density: the record gets no radius, and find()
-   * drops it. */
+  /** Fits the radius of a record to the distance to the k-th photon on its surface, reduced where too little
+   * surface is within. `widening`: of the radius later, for which the surface is probed at once. */
+  void fitToPhotons(Record& record, size_t key, float widening, PhotonScratch& scratch,
+                    TransportCounts& taskCounts) const {
+    settle(
+        record, key, widening, [&](const GatherRegion& region) { return kthDistance(region, scratch); },
+        taskCounts);
+  }
+  /** Scales the radius of a fitted record, and reduces it where too little surface is within. */
+  void scaleRadius(Record& record, size_t key, float scale, TransportCounts& taskCounts) const {
+    const float radius = record.radius * scale;
+    settle(
+        record, key, 1, [&](const GatherRegion&) { return radius; }, taskCounts);
+  }
+
   template <class Radius>
-  void settle(Record& record, size_t key, const Radius& radius, TransportCounts& taskCounts) const {
+  void settle(Record& record, size_t key, float widening, const Radius& radius,
+              TransportCounts& taskCounts) const {
     GatherRegion region = regionAt(record);
     BoundaryCorrection boundary = surroundingsOf(record, key);
     // The surface geometry changes the radius, and the radius determines how much geometry is needed.
-    constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // gathers near the record may reach farther
+    constexpr float BEYOND = 2.5f; // over the radius
     constexpr int ROUNDS = 4;
-    const auto fit = [&] { coveredFraction(boundary, record.error, search.kernel, region, taskCounts); };
+    const auto fit = [&] {
+      region.radius = radius(region);
+      coveredFraction(boundary, record.error, search.kernel, region, taskCounts);
+    };
     region.radius = radius(region);
-    if (region.radius == 0) return;
     for (int round = 0; round < ROUNDS; ++round) {
       if (ENOUGH * region.radius > record.around.reach) {
-        region.radius *= BEYOND;
+        region.radius *= BEYOND * widening;
         record.around = probeNeighbourhood(scene, record.error, region, boundary.sampler, taskCounts);
         boundary.known = &record.around;
       } else if (round > 0) {
         break;
       }
-      region.radius = radius(region);
-      region.flatness = flatnessOf(record, boundary, region.radius);
+      region.flatness = flatnessOf(record, boundary, radius(region));
       fit();
-      if (region.clipCount > 0 || region.flatness < search.flatness) {
-        region.radius = radius(region);
-        fit();
-      }
+      if (region.clipCount > 0 || region.flatness < search.flatness) fit();
     }
     record.radius = region.radius;
   }
+
+  static constexpr float ENOUGH = 1.5f; ///< over the radius: gathers near the record may reach farther
 
   const Scene& scene;
   const PhotonMap& first;
@@ -321,6 +382,8 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   if (alpha > 0 && search.nearest > 0 && !records.empty()) {
     finder.judge(records, ofPhotons, alpha, detail, choosesAreas);
     if (choosesAreas) limit *= ofArea(SupportErrors::AREAS - 2);
+  } else {
+    finder.fit(records);
   }
   index.build(lifted);
   std::vector<Record> inOrder(records.size());

@@ -58,6 +58,16 @@ class RadiusCache {
     float irradiance = 0, variance = INFINITE, bias2 = 0;
     GatherBenefit benefit;
     Neighbourhood around;
+
+    /** Whether a point with this geometric normal is on the surface of the record: on a different side, on the
+     * next layer or behind a wall, the record says nothing of it. */
+    bool isOnSurfaceOf(const Vec3f& point, const Vec3f& pointNormal) const {
+      constexpr float COHERENT = 0.9f;
+      const float above = glm::dot(point - position, normal);
+      return glm::dot(normal, pointNormal) > COHERENT && around.sees(point) &&
+             above < std::min(around.clearance, around.heightKnown()) &&
+             -above < std::min(around.depth, around.heightKnown());
+    }
   };
   const Record& record(size_t i) const { return records[i]; }
 

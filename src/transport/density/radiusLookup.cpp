@@ -36,15 +36,7 @@ void RadiusCache::findNeighbours() {
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   thread_local PhotonScratch scratch;
   if (index.empty()) return {limit, nullptr, INFINITE, 0};
-  /** Whether a record is on the surface of the point: on a different side, on the next layer or behind a wall
-   * it has little relevance. */
-  const auto isSameSurface = [&](const Record& record) {
-    constexpr float COHERENT = 0.9f;
-    const float above = glm::dot(position - record.position, record.normal);
-    return glm::dot(record.normal, normal) > COHERENT && record.around.sees(position) &&
-           above < std::min(record.around.clearance, record.around.heightKnown()) &&
-           -above < std::min(record.around.depth, record.around.heightKnown());
-  };
+  const auto isSameSurface = [&](const Record& record) { return record.isOnSurfaceOf(position, normal); };
   const auto resultOf = [&](size_t slot, bool same) {
     const Record& record = records[slot];
     return CachedRadius{record.radius, same ? &record.around : nullptr,
