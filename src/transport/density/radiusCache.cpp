@@ -104,7 +104,7 @@ class PlaceFinder {
   /** Fits all radii to the surfaces around the records. */
   void fit(std::vector<Record>& records) {
     forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
-      fitToPhotons(records[i], i, 1, scratch, taskCounts);
+      fitToPhotons(records[i], i, scratch, taskCounts);
     });
   }
 
@@ -123,12 +123,15 @@ class PlaceFinder {
     forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
       Record& record = records[i];
       if (record.around.reach > 0) return;
+      const Record& near = nearestIn(fitted, measured.positions, record, scratch);
+      takeSurroundings(record, near, 1);
+      fitToPhotons(record, i, scratch, taskCounts);
       const Evidence evidence = evidenceAt(measured, record, scratch);
       const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
-      const float scale = ofArea(area);
-      takeSurroundings(record, nearestIn(fitted, measured.positions, record, scratch), scale);
-      fitToPhotons(record, i, std::max(1.0f, scale), scratch, taskCounts);
-      if (area != SupportErrors::OWN) scaleRadius(record, i, scale, taskCounts);
+      if (area != SupportErrors::OWN) {
+        takeSurroundings(record, near, ofArea(area));
+        scaleRadius(record, i, ofArea(area), taskCounts);
+      }
       setErrors(record, evidence, area, alpha);
     });
     for (size_t m = 0; m < fitted.size(); ++m) records[measured.indices[m]] = fitted[m];
@@ -146,7 +149,7 @@ class PlaceFinder {
 
   /** Fits some of the records, and measures the errors of their supports. */
   Measured measure(std::vector<Record>& records, size_t ofPhotons) {
-    constexpr size_t MAX_MEASURED = 4096; // records of each kind
+    constexpr size_t MAX_MEASURED = 1024; // records of each kind
     constexpr double DARK = 0.3;          // over the mean irradiance
     Measured measured;
     std::vector<size_t>& indices = measured.indices;
@@ -163,7 +166,7 @@ class PlaceFinder {
     forAll(count, [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
       const size_t i = indices[m];
       Record& record = records[i];
-      fitToPhotons(record, i, 1, scratch, taskCounts);
+      fitToPhotons(record, i, scratch, taskCounts);
       SupportErrors& errors = measured.errors[m];
       at[m].position = record.position;
       measured.records[m] = record;
@@ -200,7 +203,7 @@ class PlaceFinder {
         const auto [narrow, wide] = std::minmax(record.radius, other.radius);
         if (!(wide < MAX_RATIO * narrow)) continue;
         const bool seen =
-            glm::dot(record.normal, other.normal) > COHERENT && other.around.sees(record.position);
+            glm::dot(record.normal, other.normal) > COHERENT && record.around.sees(other.position);
         if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
       }
     };
@@ -241,12 +244,13 @@ class PlaceFinder {
     return fitted[positions.emissionIndex(positions.nearestSlot(record.position, scratch))];
   }
 
-  /** Copies the geometry around a fitted record on the same surface, if that is known to be flat as far as a
-   * record with `scale` times the radius needs to know it, and nothing is close above. */
+  /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the radius
+   * needs more than it knows, and the surface is known to be flat that far with nothing close above. */
   static void takeSurroundings(Record& record, const Record& fitted, float scale) {
     const float away = glm::distance(record.position, fitted.position);
-    if (ENOUGH * scale * record.radius + away > fitted.around.flat || fitted.around.clearance < INFINITE ||
-        !fitted.isOnSurfaceOf(record.position, record.normal))
+    const float needed = ENOUGH * scale * record.radius;
+    if (record.around.reach >= needed || needed + away > fitted.around.flat ||
+        fitted.around.clearance < INFINITE || !fitted.isOnSurfaceOf(record.position, record.normal))
       return;
     record.around = fitted.around;
     record.around.reach -= away;
@@ -309,23 +313,20 @@ class PlaceFinder {
   }
 
   /** Fits the radius of a record to the distance to the k-th photon on its surface, reduced where too little
-   * surface is within. `widening`: of the radius later, for which the surface is probed at once. */
-  void fitToPhotons(Record& record, size_t key, float widening, PhotonScratch& scratch,
-                    TransportCounts& taskCounts) const {
+   * surface is within. */
+  void fitToPhotons(Record& record, size_t key, PhotonScratch& scratch, TransportCounts& taskCounts) const {
     settle(
-        record, key, widening, [&](const GatherRegion& region) { return kthDistance(region, scratch); },
-        taskCounts);
+        record, key, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, taskCounts);
   }
   /** Scales the radius of a fitted record, and reduces it where too little surface is within. */
   void scaleRadius(Record& record, size_t key, float scale, TransportCounts& taskCounts) const {
     const float radius = record.radius * scale;
     settle(
-        record, key, 1, [&](const GatherRegion&) { return radius; }, taskCounts);
+        record, key, [&](const GatherRegion&) { return radius; }, taskCounts);
   }
 
   template <class Radius>
-  void settle(Record& record, size_t key, float widening, const Radius& radius,
-              TransportCounts& taskCounts) const {
+  void settle(Record& record, size_t key, const Radius& radius, TransportCounts& taskCounts) const {
     GatherRegion region = regionAt(record);
     BoundaryCorrection boundary = surroundingsOf(record, key);
     // The surface geometry changes the radius, and the radius determines how much geometry is needed.
@@ -338,7 +339,7 @@ class PlaceFinder {
     region.radius = radius(region);
     for (int round = 0; round < ROUNDS; ++round) {
       if (ENOUGH * region.radius > record.around.reach) {
-        region.radius *= BEYOND * widening;
+        region.radius *= BEYOND;
         record.around = probeNeighbourhood(scene, record.error, region, boundary.sampler, taskCounts);
         boundary.known = &record.around;
       } else if (round > 0) {
