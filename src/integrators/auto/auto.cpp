@@ -104,32 +104,38 @@ class Auto final : public Integrator {
    * image shows that all other photons do not repay their work. */
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics) {
+    // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
+    constexpr double FEW = 64; // scenes in which paths are better have hundreds or more
     constexpr uint64_t STREAM = 0x747269616cull;
-    const Pass passes[] = {{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time},
-                           {hashCombine(pass.seed, STREAM + 1), 1, pass.schedule, pass.time}};
-    const EstimatorTrial trial(scene, classes, passes[0].seed, pass.time);
+    const Pass second{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time};
+    const EstimatorTrial trial(scene, classes, second.seed, pass.time);
     using Rounds = EstimatorTrial::Rounds;
     using Figures = EstimatorTrial::Figures;
-    // Takes two rounds, each with the photons of its own pass. Sets the work of a pass of photons.
-    const auto takeBoth = [&](PhotonMapper& photons, double& work) {
-      constexpr double PHOTON_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
-      Rounds rounds;
-      for (uint32_t i = 0; i < 2; ++i) {
-        const ForwardStatistics shot =
-            photons.withPass(passes[i], scene, classes, control, [&] { rounds[i] = trial.take(photons, i); });
-        statistics.counts.add(shot.counts);
-        statistics.counts.add(rounds[i].counts);
-        work = PHOTON_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
-      }
+    const auto counted = [&](Rounds rounds) {
+      for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
       return rounds;
     };
     std::unique_ptr<Integrator> paths =
         makePathTracing({settings.maxDepth, settings.lightSamples}, nullptr, &lights);
     paths->prepare(scene, classes);
-    const Rounds traced{trial.take(*paths, 0), trial.take(*paths, 1)};
-    for (const TrialSamples& samples : traced) statistics.counts.add(samples.counts);
+    const Rounds traced = counted({trial.take(*paths, 0), trial.take(*paths, 1)});
+    if (EstimatorTrial::effectiveCount(traced) < FEW) {
+      statistics.notes.push_back(
+          "auto chose photonmap: the trial of path tracing found too few samples with light to compare");
+      return;
+    }
+    // The first round of each estimator uses the photons of the first pass.
     double photonWork = 0; // of a pass for each pixel [camera rays]
-    const Rounds mapped = takeBoth(*mapper, photonWork);
+    const auto takeSecond = [&](PhotonMapper& photons) {
+      constexpr double PHOTON_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
+      TrialSamples samples;
+      const ForwardStatistics shot =
+          photons.withPass(second, scene, classes, control, [&] { samples = trial.take(photons, 1); });
+      statistics.counts.add(shot.counts);
+      photonWork = PHOTON_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
+      return samples;
+    };
+    const Rounds mapped = counted({trial.take(*mapper, 0), takeSecond(*mapper)});
     Figures byMap = EstimatorTrial::figures(mapped, traced);
     byMap.work += photonWork;
     Figures byPaths = EstimatorTrial::figures(traced, mapped);
@@ -139,15 +145,16 @@ class Auto final : public Integrator {
     if (!mapper->photonPass().caustics().map.empty()) {
       std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights, &mapper->photonPass());
       causticPaths->prepare(scene, classes);
-      const Rounds both = takeBoth(*causticPaths, photonWork);
+      TrialSamples first;
+      causticPaths->withCausticsOf(*mapper, [&] { first = trial.take(*causticPaths, 0); });
+      const Rounds both = counted({std::move(first), takeSecond(*causticPaths)});
       Figures byBoth = EstimatorTrial::figures(both, mapped);
       byBoth.work += photonWork;
       byBoth.add(EstimatorTrial::missedVariance(both, mapped));
       withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < 1;
       if (withCaustics) byPaths = byBoth;
     }
-    if (control.stopped() || !arePathsBetter(EstimatorTrial::effectiveCount(traced), byMap.errorOver(byPaths),
-                                             withCaustics, statistics.notes))
+    if (control.stopped() || !arePathsBetter(byMap.errorOver(byPaths), withCaustics, statistics.notes))
       return;
     if (withCaustics) {
       paths = makeCausticPaths(settings, &lights);
@@ -157,18 +164,10 @@ class Auto final : public Integrator {
     instead = std::move(paths);
   }
 
-  /** Decides by a trial with `samples` effective samples of paths, in which the squared error of photonmap is
-   * `ratio` times that of paths, and notes the decision. */
-  static bool arePathsBetter(double samples, double ratio, bool withCaustics,
-                             std::vector<std::string>& notes) {
-    // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
-    constexpr double FEW = 64;    // scenes in which paths are better have hundreds or more
+  /** Decides by a trial in which the squared error of photonmap is `ratio` times that of paths, and notes the
+   * decision. */
+  static bool arePathsBetter(double ratio, bool withCaustics, std::vector<std::string>& notes) {
     constexpr double CLEARLY = 2; // trials miss rare bright samples, of which paths have more
-    if (samples < FEW) {
-      notes.push_back(
-          "auto chose photonmap: the trial of path tracing found too few samples with light to compare");
-      return false;
-    }
     const char* const rival = withCaustics ? "path with caustic photons" : "path";
     if (ratio > CLEARLY)
       notes.push_back(

@@ -55,6 +55,12 @@ class PhotonMapper : public Integrator {
                              const ForwardControl& control, const std::function<void()>& use) {
     return photons.with(other, scene, classes, control, lights, use);
   }
+  /** Calls `use` with the caustic photons of the latest pass of `lender`, from which this has learned. */
+  void withCausticsOf(PhotonMapper& lender, const std::function<void()>& use) {
+    photons.exchangeCaustics(lender.photons);
+    use();
+    photons.exchangeCaustics(lender.photons);
+  }
 
  protected:
   PhotonMappingSettings settings;

@@ -129,6 +129,7 @@ void PhotonPass::learnFrom(const PhotonPass& other) {
   causticLayer.choice = other.causticLayer.choice;
   causticLayer.radii = other.causticLayer.radii;
   guidance = other.guidance;
+  emitted = other.emitted;
   region = other.region;
   outside = other.outside;
   outsideTransmittance = other.outsideTransmittance;

@@ -80,6 +80,8 @@ class PhotonPass {
    * after the first may run without the first. */
   void learnFrom(const PhotonPass& other);
 
+  void exchangeCaustics(PhotonPass& other) { std::swap(causticLayer.map, other.causticLayer.map); }
+
   /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */
   ForwardStatistics with(const Pass& other, const Scene& scene, const PathClasses& classes,
                          const ForwardControl& control, const LightSampler& shadowRays,

@@ -108,8 +108,8 @@ class PlaceFinder {
     });
   }
 
-  /** Measures the errors of supports at some of the records, estimates those of all from their neighbours, and
-   * fits the radii to the surfaces; if `choosesAreas` to the areas of least error. */
+  /** Measures the errors of supports at some of the records, estimates those of all from their neighbours,
+   * and fits the radii to the surfaces; if `choosesAreas` to the areas of least error. */
   void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
              bool choosesAreas) {
     const Measured measured = measure(records, ofPhotons);
@@ -244,8 +244,9 @@ class PlaceFinder {
     return fitted[positions.emissionIndex(positions.nearestSlot(record.position, scratch))];
   }
 
-  /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the radius
-   * needs more than it knows, and the surface is known to be flat that far with nothing close above. */
+  /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the
+   * radius needs more than it knows, and the surface is known to be flat that far with nothing close above.
+   */
   static void takeSurroundings(Record& record, const Record& fitted, float scale) {
     const float away = glm::distance(record.position, fitted.position);
     const float needed = ENOUGH * scale * record.radius;
