@@ -123,13 +123,12 @@ class PlaceFinder {
     forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
       Record& record = records[i];
       if (record.around.reach > 0) return;
-      const Record& near = nearestIn(fitted, measured.positions, record, scratch);
-      takeSurroundings(record, near, 1);
+      takeSurroundings(record, fitted, measured.positions, 1, scratch);
       fitToPhotons(record, i, scratch, taskCounts);
       const Evidence evidence = evidenceAt(measured, record, scratch);
       const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
       if (area != SupportErrors::OWN) {
-        takeSurroundings(record, near, ofArea(area));
+        takeSurroundings(record, fitted, measured.positions, ofArea(area), scratch);
         scaleRadius(record, i, ofArea(area), taskCounts);
       }
       setErrors(record, evidence, area, alpha);
@@ -239,21 +238,35 @@ class PlaceFinder {
     if (rays.lights) record.benefit = benefitOf(errors, area, double(record.bias2), count);
   }
 
-  static const Record& nearestIn(const std::vector<Record>& fitted, const PhotonMap& positions,
-                                 const Record& record, PhotonScratch& scratch) {
-    return fitted[positions.emissionIndex(positions.nearestSlot(record.position, scratch))];
-  }
-
   /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the
    * radius needs more than it knows, and the surface is known to be flat that far with nothing close above.
    */
-  static void takeSurroundings(Record& record, const Record& fitted, float scale) {
-    const float away = glm::distance(record.position, fitted.position);
+  static void takeSurroundings(Record& record, const std::vector<Record>& fitted, const PhotonMap& positions,
+                               float scale, PhotonScratch& scratch) {
+    constexpr int NEAREST = 16;
     const float needed = ENOUGH * scale * record.radius;
-    if (record.around.reach >= needed || needed + away > fitted.around.flat ||
-        fitted.around.clearance < INFINITE || !fitted.isOnSurfaceOf(record.position, record.normal))
-      return;
-    record.around = fitted.around;
+    if (record.around.reach >= needed) return;
+    GatherRegion region;
+    region.center = record.position;
+    region.bothSides = true;
+    positions.nearest(region, NEAREST, scratch);
+    const Record* best = nullptr;
+    float flat = needed;
+    positions.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
+        const Record& other =
+            fitted[positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)))];
+        const float here = other.around.flat - glm::distance(record.position, other.position);
+        if (here < flat || other.around.clearance < INFINITE ||
+            !other.isOnSurfaceOf(record.position, record.normal))
+          continue;
+        best = &other;
+        flat = here;
+      }
+    });
+    if (!best) return;
+    record.around = best->around;
+    const float away = best->around.flat - flat;
     record.around.reach -= away;
     record.around.flat -= away;
   }
@@ -321,9 +334,9 @@ class PlaceFinder {
   }
   /** Scales the radius of a fitted record, and reduces it where too little surface is within. */
   void scaleRadius(Record& record, size_t key, float scale, TransportCounts& taskCounts) const {
-    const float radius = record.radius * scale;
+    record.radius *= scale;
     settle(
-        record, key, [&](const GatherRegion&) { return radius; }, taskCounts);
+        record, key, [radius = record.radius](const GatherRegion&) { return radius; }, taskCounts);
   }
 
   template <class Radius>
@@ -333,11 +346,7 @@ class PlaceFinder {
     // The surface geometry changes the radius, and the radius determines how much geometry is needed.
     constexpr float BEYOND = 2.5f; // over the radius
     constexpr int ROUNDS = 4;
-    const auto fit = [&] {
-      region.radius = radius(region);
-      coveredFraction(boundary, record.error, search.kernel, region, taskCounts);
-    };
-    region.radius = radius(region);
+    const auto cover = [&] { coveredFraction(boundary, record.error, search.kernel, region, taskCounts); };
     for (int round = 0; round < ROUNDS; ++round) {
       if (ENOUGH * region.radius > record.around.reach) {
         region.radius *= BEYOND;
@@ -346,9 +355,13 @@ class PlaceFinder {
       } else if (round > 0) {
         break;
       }
-      region.flatness = flatnessOf(record, boundary, radius(region));
-      fit();
-      if (region.clipCount > 0 || region.flatness < search.flatness) fit();
+      region.radius = radius(region);
+      region.flatness = flatnessOf(record, boundary, region.radius);
+      cover();
+      if (region.clipCount > 0 || region.flatness < search.flatness) {
+        region.radius = radius(region);
+        cover();
+      }
     }
     record.radius = region.radius;
   }
@@ -371,12 +384,12 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   lift = std::min(search.radius, 2 * scene.bounds().radius);
   records.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
-  constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
+  constexpr size_t EVERY = 4, MIN_COUNT = 8192, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   PlaceFinder finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;
   if (!first.empty())
-    records = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
+    records = finder.find(std::max(EVERY, first.size() / std::clamp(pixels / 4, MIN_COUNT, MAX_COUNT)), seen,
                           ofPhotons);
   std::vector<Photon> lifted(records.size());
   for (size_t i = 0; i < records.size(); ++i)
