@@ -113,27 +113,30 @@ class PlaceFinder {
   void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
              bool choosesAreas) {
     const Measured measured = measure(records, ofPhotons);
-    std::vector<Record> fitted = measured.records;
-    forAll(fitted.size(), [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
-      const Evidence evidence = evidenceAt(measured, fitted[m], scratch);
-      const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
-      if (area != SupportErrors::OWN) scaleRadius(fitted[m], measured.indices[m], ofArea(area), taskCounts);
-      setErrors(fitted[m], evidence, area, alpha);
-    });
-    forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
+    const auto setArea = [&](size_t i, const Fitted& fitted, PhotonScratch& scratch,
+                             TransportCounts& taskCounts) {
       Record& record = records[i];
-      if (record.around.reach > 0) return;
-      takeSurroundings(record, fitted, measured.positions, 1, scratch);
-      fitToPhotons(record, i, scratch, taskCounts);
       const Evidence evidence = evidenceAt(measured, record, scratch);
       const size_t area = areaOf(evidence, alpha, detail, choosesAreas);
       if (area != SupportErrors::OWN) {
-        takeSurroundings(record, fitted, measured.positions, ofArea(area), scratch);
+        takeSurroundings(record, fitted, ofArea(area), scratch);
         scaleRadius(record, i, ofArea(area), taskCounts);
       }
       setErrors(record, evidence, area, alpha);
+    };
+    forAll(measured.indices.size(), [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
+      setArea(measured.indices[m], {}, scratch, taskCounts);
     });
-    for (size_t m = 0; m < fitted.size(); ++m) records[measured.indices[m]] = fitted[m];
+    // In each round, records take the geometry that is known at records of the rounds before.
+    for (const size_t every : {8u, 1u}) {
+      const Fitted fitted = fittedOf(records);
+      forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
+        if (i % every != 0 || isFitted(records[i])) return;
+        takeSurroundings(records[i], fitted, 1, scratch);
+        fitToPhotons(records[i], i, scratch, taskCounts);
+        setArea(i, fitted, scratch, taskCounts);
+      });
+    }
   }
 
  private:
@@ -145,6 +148,20 @@ class PlaceFinder {
     PhotonMap positions;
     double dark2 = 0; ///< squared irradiance that counts as dark
   };
+
+  struct Fitted {
+    std::vector<Record> records;
+    PhotonMap positions;
+  };
+  static bool isFitted(const Record& record) { return record.around.reach > 0; }
+  static Fitted fittedOf(const std::vector<Record>& records) {
+    Fitted fitted;
+    std::copy_if(records.begin(), records.end(), std::back_inserter(fitted.records), isFitted);
+    std::vector<Photon> at(fitted.records.size());
+    for (size_t i = 0; i < at.size(); ++i) at[i].position = fitted.records[i].position;
+    fitted.positions.build(at);
+    return fitted;
+  }
 
   /** Fits some of the records, and measures the errors of their supports. */
   Measured measure(std::vector<Record>& records, size_t ofPhotons) {
@@ -241,11 +258,11 @@ class PlaceFinder {
   /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the
    * radius needs more than it knows, and the surface is known to be flat that far with nothing close above.
    */
-  static void takeSurroundings(Record& record, const std::vector<Record>& fitted, const PhotonMap& positions,
-                               float scale, PhotonScratch& scratch) {
+  static void takeSurroundings(Record& record, const Fitted& fitted, float scale, PhotonScratch& scratch) {
     constexpr int NEAREST = 16;
     const float needed = ENOUGH * scale * record.radius;
-    if (record.around.reach >= needed) return;
+    if (record.around.reach >= needed || fitted.records.empty()) return;
+    const PhotonMap& positions = fitted.positions;
     GatherRegion region;
     region.center = record.position;
     region.bothSides = true;
@@ -255,7 +272,8 @@ class PlaceFinder {
     positions.visitNearest(scratch, [&](const PhotonBlock& block) {
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
         const Record& other =
-            fitted[positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)))];
+            fitted
+                .records[positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)))];
         const float here = other.around.flat - glm::distance(record.position, other.position);
         if (here < flat || other.around.clearance < INFINITE ||
             !other.isOnSurfaceOf(record.position, record.normal))

@@ -59,13 +59,15 @@ class RadiusCache {
     GatherBenefit benefit;
     Neighbourhood around;
 
-    /** Whether a point with this geometric normal is on the surface of the record: on a different side, on
-     * the next layer or behind a wall, the record says nothing of it. */
+    /** Whether a point with this geometric normal is on the surface of the record: on a different side, on the
+     * next layer or behind a wall, the record says nothing of it. */
     bool isOnSurfaceOf(const Vec3f& point, const Vec3f& pointNormal) const {
       constexpr float COHERENT = 0.9f;
+      if (!(glm::dot(normal, pointNormal) > COHERENT) || !around.sees(point)) return false;
       const float above = glm::dot(point - position, normal);
-      return glm::dot(normal, pointNormal) > COHERENT && around.sees(point) &&
-             above < std::min(around.clearance, around.heightKnown()) &&
+      if (lengthSquared(point - position) < square(around.flat))
+        return std::abs(above) <= FLATTEST * around.flat + 4 * around.relief + 16 * error;
+      return above < std::min(around.clearance, around.heightKnown()) &&
              -above < std::min(around.depth, around.heightKnown());
     }
   };
