@@ -165,7 +165,7 @@ class PlaceFinder {
 
   /** Fits some of the records, and measures the errors of their supports. */
   Measured measure(std::vector<Record>& records, size_t ofPhotons) {
-    constexpr size_t MAX_MEASURED = 1024; // records of each kind
+    constexpr size_t MAX_MEASURED = 2048; // records of each kind
     constexpr double DARK = 0.3;          // over the mean irradiance
     Measured measured;
     std::vector<size_t>& indices = measured.indices;
