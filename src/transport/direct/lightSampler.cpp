@@ -420,7 +420,7 @@ TransportCounts LightSampler::learn(const Scene& scene, bool withPortals) try {
   // Limited by the number of pixels, so that learning takes a small fraction of the render time.
   constexpr size_t MIN_COUNT = 4096, MAX_COUNT = 131072, BATCH = 1024, LOOKS = 4;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
-  const size_t batches = std::clamp(2 * pixels, MIN_COUNT, MAX_COUNT) / BATCH;
+  const size_t batches = std::clamp(pixels, MIN_COUNT, MAX_COUNT) / BATCH;
   std::vector<Found> found(batches);
   parallelFor(batches, [&](size_t b) {
     for (size_t i = b * BATCH; i < (b + 1) * BATCH; ++i) shoot(scene, static_cast<uint32_t>(i), found[b]);

@@ -93,7 +93,7 @@ uint64_t trialPhotons(const ShootSettings& settings) {
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts, bool mixes) {
-  constexpr int ROUNDS = 4; // the last one only measures
+  constexpr int ROUNDS = 3;
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   if (mixes) guidance.emission = EmissionMixture(scene, seed, counts);
@@ -103,10 +103,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   for (int round = guidance.emission.active() ? 1 : ROUNDS; round <= ROUNDS && !control.stopped(); ++round) {
     const Trials trials = shootTrials(scene, classes, hashCombine(seed, uint64_t(round)), trial, region);
     counts.add(trials.counts);
-    if (round < ROUNDS) {
-      guidance.emission.adapt(trials.moments);
-      continue;
-    }
+    guidance.emission.adapt(trials.moments);
+    if (round < ROUNDS) continue;
     guidance.splitPower = splitPowerOf(trials.powers, trial.photons);
     guidance.storedPhotons = double(trials.stored) / double(trial.photons);
   }
