@@ -642,6 +642,50 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   EXPECT_LT(reach, 36) << "of 3600";
 }
 
+TEST(BoundaryCorrection, RecordsOnAFlatFloorShareProbes) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  PhotonMap map;
+  map.build(onFloor(6, 20000));
+  const std::vector<VisiblePoint> seen = seenOnFloor(0.8f);
+  const GatherSettings search = nearestWithin(20, 1);
+  for (const double alpha : {0.0, 2.0 / 3}) {
+    TransportCounts counts;
+    RadiusCache cache;
+    cache.build(*scene, map, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+    double known = 0;
+    for (size_t i = 0; i < cache.size(); ++i) {
+      const RadiusCache::Record& record = cache.record(i);
+      known += record.around.reach >= 1.5f * record.radius;
+    }
+    EXPECT_EQ(known, double(cache.size()));
+    if (alpha == 0) {
+      EXPECT_LT(double(counts.rays), 70 * double(cache.size())) << "a record that probes takes more than 100";
+    }
+  }
+}
+
+TEST(BoundaryCorrection, ASheetCloseToTheFloorIsNotTheFloor) {
+  // A record on the floor knows a flat floor far beyond the height of the sheet.
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  PhotonMap map;
+  map.build(onFloor(6, 2000));
+  const GatherSettings search = nearestWithin(20, 1);
+  TransportCounts counts;
+  RadiusCache cache;
+  cache.build(*scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts);
+  for (size_t i = 0; i < cache.size(); i += 16) {
+    const RadiusCache::Record& record = cache.record(i);
+    const Vec3f beside = record.position + Vec3f(0.2f * record.around.flat, 0, 0);
+    if (!(record.around.flat > 0) || !record.around.sees(beside)) continue;
+    EXPECT_TRUE(record.isOnSurfaceOf(beside, {0, 0, 1}));
+    EXPECT_FALSE(record.isOnSurfaceOf(beside + Vec3f(0, 0, 0.01f * record.around.flat), {0, 0, 1}));
+    EXPECT_FALSE(record.isOnSurfaceOf(beside - Vec3f(0, 0, 0.01f * record.around.flat), {0, 0, 1}));
+    EXPECT_FALSE(record.isOnSurfaceOf(beside, {0, 0, -1}));
+  }
+}
+
 TEST(BoundaryCorrection, PhotonsInOnePointTellNoRadius) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);

@@ -55,6 +55,12 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Re
 /** Computes the radii of cache records from the photons of a first map. */
 class PlaceFinder {
  public:
+  /** Copies of the records with a known geometry, and their positions. */
+  struct Fitted {
+    std::vector<Record> records;
+    PhotonMap positions;
+  };
+
   PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
               const RayAlternative& rays, TransportCounts& counts)
       : scene(scene), first(first), search(search), rays(rays), counts(counts) {}
@@ -101,11 +107,22 @@ class PlaceFinder {
     return records;
   }
 
-  /** Fits all radii to the surfaces around the records. */
+  /** Fits the radii of all records that are not fitted yet to the surfaces around them, in rounds: records
+   * take the geometry that is known at records of the rounds before. Calls then(i, fitted, scratch, counts)
+   * for each, with the records of the rounds before. */
+  template <class Then> void fit(std::vector<Record>& records, const Then& then) {
+    for (const size_t every : {64u, 8u, 1u}) {
+      const Fitted fitted = fittedOf(records);
+      forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
+        if (i % every != 0 || isFitted(records[i])) return;
+        takeSurroundings(records[i], fitted, 1, scratch);
+        fitToPhotons(records[i], i, scratch, taskCounts);
+        then(i, fitted, scratch, taskCounts);
+      });
+    }
+  }
   void fit(std::vector<Record>& records) {
-    forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
-      fitToPhotons(records[i], i, scratch, taskCounts);
-    });
+    fit(records, [](size_t, const Fitted&, PhotonScratch&, TransportCounts&) {});
   }
 
   /** Measures the errors of supports at some of the records, estimates those of all from their neighbours,
@@ -127,16 +144,7 @@ class PlaceFinder {
     forAll(measured.indices.size(), [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
       setArea(measured.indices[m], {}, scratch, taskCounts);
     });
-    // In each round, records take the geometry that is known at records of the rounds before.
-    for (const size_t every : {8u, 1u}) {
-      const Fitted fitted = fittedOf(records);
-      forAll(records.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& taskCounts) {
-        if (i % every != 0 || isFitted(records[i])) return;
-        takeSurroundings(records[i], fitted, 1, scratch);
-        fitToPhotons(records[i], i, scratch, taskCounts);
-        setArea(i, fitted, scratch, taskCounts);
-      });
-    }
+    fit(records, setArea);
   }
 
  private:
@@ -149,10 +157,6 @@ class PlaceFinder {
     double dark2 = 0; ///< squared irradiance that counts as dark
   };
 
-  struct Fitted {
-    std::vector<Record> records;
-    PhotonMap positions;
-  };
   static bool isFitted(const Record& record) { return record.around.reach > 0; }
   static Fitted fittedOf(const std::vector<Record>& records) {
     Fitted fitted;
