@@ -20,6 +20,7 @@ import sys
 import study
 
 OPTIONS = None  # of the command line
+STARTED = ()  # date and commit of what is measured
 FIRST_SEED = 1001  # references have others
 SAME_TIME = 0.25   # difference of processor times that is made up for as if the error fell as 1/time
 
@@ -123,7 +124,7 @@ error from %d seeds. Above 1 the mechanism helps; `=`: it has no effect in this 
 error is smaller than the uncertainty of the reference; empty: not measured. Processor time includes the initial learning. The
 row of the trial is for `auto`; shared irradiance is measured with `finalgather=4`. `scripts/study/adaptive.py` measures
 adaptive samples. `learned light selection and portals` removes both.
-''' % (datetime.date.today(), commit(), OPTIONS.seeds)
+''' % (*STARTED, OPTIONS.seeds)
     for samples in OPTIONS.samples:
         shown = [s for s in scenes if results.get(key(s, samples))]
         if not shown: continue
@@ -147,7 +148,7 @@ def key(scene, samples): return '%s | %d | %d' % (scene, OPTIONS.seeds, samples)
 
 
 def main():
-    global OPTIONS
+    global OPTIONS, STARTED
     parser = study.parser(__doc__)
     parser.add_argument('scenes', metavar='SCENE', nargs='*')
     parser.add_argument('--seeds', type=int, default=3, help='default: 3')
@@ -159,6 +160,7 @@ def main():
     parser.add_argument('--page', default=study.ROOT / 'doc-files/results/ablation.md', help='the page to write')
     OPTIONS = parser.parse_args()
     study.build()
+    STARTED = datetime.date.today(), commit()
     kept = study.ROOT / 'build/ablation'
     kept.mkdir(parents=True, exist_ok=True)
     store = kept / 'results.json'
