@@ -28,6 +28,29 @@ TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   EXPECT_LT(b.standardError(), 0.85 * a.standardError());
 }
 
+TEST(GuidedPath, InFogHasTheMeanOfPlainPathsAndLessNoise) {
+  // Light enters the fog, which scatters it forwards, from one side.
+  std::string room = slitRoom();
+  room.insert(room.find("Material"), R"(
+AttributeBegin
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_a" [ .05 .02 .1 ] "rgb sigma_s" [ 1 1.2 .8 ] "float g" .3
+MediumInterface "fog" ""
+Material "interface"
+Shape "box" "point3 p1" [ -1.5 -.9 -.9 ] "point3 p2" [ .95 .9 .9 ]
+AttributeEnd
+)");
+  const auto scene = sceneFrom(room);
+  const PathClasses classes;
+  const int spp = samples(256);
+  const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", GUIDED);
+  const Rendered a = renderScene(*scene, *plain, classes, spp, 1),
+                 b = renderScene(*scene, *guided, classes, spp, 2);
+  EXPECT_EQ(b.unsound(), "");
+  EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()));
+  if (spp < 256) return; // too few samples for the guide to learn
+  EXPECT_LT(b.standardError(), 0.85 * a.standardError());
+}
+
 TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {
   // Every pixel sees nearly the same point of the floor, whose radiance is known: a bias would keep the error
   // from falling.

@@ -15,9 +15,11 @@ void registerPath(PlugIns& plugIns) {
         more.begin(),
         {maxDepthParameter(),
          integerParameter("lightsamples", "1", "shadow rays at each diffuse vertex").range(1, 1e6),
-         booleanParameter("guided", "false",
-                          "path guiding: learn the directions of incident light, and sample them as well; "
-                          "helps where light enters through small openings")});
+         booleanParameter(
+             "guided", "false",
+             "path guiding: learn the directions of incident light, on surfaces and in media, and sample "
+             "them as well; "
+             "helps where light enters through small openings")});
     plugIns.integrators.add(
         {{.name = name,
           .summary = summary,

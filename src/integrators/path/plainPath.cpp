@@ -48,12 +48,13 @@ class PlainPath {
     const auto mediumEmission = [&](const Rgb& radiance) { addMediumEmission(radiance); };
     while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
       record.arrive(vertex);
-      if (!vertex.medium) chooseDirections();
+      chooseDirections();
       LightSampleContext context{vertex.point().position};
       float mergeDensity = 0;
       if (vertex.isConnectable()) {
-        if (!vertex.medium) context = lightSampleContext(lights, vertex.point(), vertex.wi);
-        addDirectLight(context);
+        context = lightSampleContext(lights, vertex);
+        addDirectLight(scene, lights, context, path, vertex, settings.lightSamples,
+                       panesLeft(settings.maxDepth, vertex.depth), sampler, out);
         if (caustics && !vertex.medium)
           mergeDensity =
               caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
@@ -113,23 +114,9 @@ class PlainPath {
 
   /** Replaces BSDF sampling of the next direction: by the mixture with the guide, or by a uniform density. */
   void chooseDirections() {
-    if (settings.guide) vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
-    if (!settings.sampleBsdf)
+    if (settings.guide) followGuide(*settings.guide, vertex);
+    if (!settings.sampleBsdf && !vertex.medium)
       vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
-  }
-
-  void addDirectLight(const LightSampleContext& context) {
-    const int panes = panesLeft(settings.maxDepth, vertex.depth);
-    if (scene.hasMedia())
-      addSampledLightInMedia(scene, lights, context,
-                             {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                              vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
-                              true, path.optical},
-                             settings.lightSamples, panes, sampler, out);
-    else
-      addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
-                      vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler, out,
-                      path.optical);
   }
 
   /** Sets the MIS weights of light that the ray from the vertex hits: against light samples in `context`, and

@@ -15,13 +15,14 @@ namespace recurse {
  * parallel; their results are returned in order. `maxDepth`: maximum scattering events of a path. */
 template <class Row, class Follow>
 std::vector<Row> followCameraPaths(const Scene& scene, int resolution, int maxDepth, uint64_t seed,
-                                   TransportCounts& counts, const Row& empty, const Follow& follow) {
+                                   TransportCounts& counts, const Row& empty, const Follow& follow,
+                                   InMedia inMedia = InMedia::IGNORE) {
   const PathClasses allPaths;
   std::vector<Row> rows(static_cast<size_t>(resolution), empty);
   std::vector<TransportCounts> rowCounts(rows.size());
   const PixelBounds film = scene.film().whole();
   parallelFor(rows.size(), [&](size_t y) {
-    CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, InMedia::IGNORE);
+    CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, inMedia);
     for (int x = 0; x < resolution; ++x) {
       Sampler sampler(seed, y, static_cast<uint32_t>(x));
       CameraSample sample;
@@ -43,10 +44,11 @@ std::vector<Row> followCameraPaths(const Scene& scene, int resolution, int maxDe
 /** The same for rows that are lists; returns their items as one list. */
 template <class Item, class Follow>
 std::vector<Item> collectFromCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
-                                         TransportCounts& counts, const Follow& follow) {
+                                         TransportCounts& counts, const Follow& follow,
+                                         InMedia inMedia = InMedia::IGNORE) {
   using Items = std::vector<Item>;
   Items all;
-  for (const Items& row : followCameraPaths(scene, across, maxDepth, seed, counts, Items(), follow))
+  for (const Items& row : followCameraPaths(scene, across, maxDepth, seed, counts, Items(), follow, inMedia))
     all.insert(all.end(), row.begin(), row.end());
   return all;
 }

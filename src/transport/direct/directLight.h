@@ -9,6 +9,7 @@
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/paths/pathVertex.h"
 #include "transport/paths/recordedSample.h"
 #include "transport/paths/walk.h"
 
@@ -129,22 +130,24 @@ struct LitVertex {
   Vec3f wi;                          ///< unit, back along the walk
   LobeSet allowed;                   ///< lobes of the BSDF ray, see addSampledLight()
   const Nesting& nesting;
-  const SpectralPath& path; ///< spectral state on arrival
-  int hero;                 ///< colour channel that draws distances
-  CameraState state;        ///< state after the event
-  bool hasBsdfRay = true;   ///< false: only shadow rays find light from here
-  OpticalPath optical = {}; ///< on arrival
+  const SpectralPath& path;              ///< spectral state on arrival
+  int hero;                              ///< colour channel that draws distances
+  CameraState state;                     ///< state after the event
+  bool hasBsdfRay = true;                ///< false: only shadow rays find light from here
+  OpticalPath optical = {};              ///< on arrival
+  const DirectionGuide* guide = nullptr; ///< see PathVertex, in a medium
 
   /** Phase function, or BSDF times the cosine, for light from unit `light`. */
   Rgb value(const Vec3f& light) const {
     return medium ? Rgb(medium->phase->value(glm::dot(-wi, light))) : scattering->evaluate(wi, light);
   }
   float pdf(const Vec3f& light) const {
-    return medium ? medium->phase->value(glm::dot(-wi, light)) : scattering->pdf(wi, light, allowed);
+    return medium ? pdfInMedium(*medium, -wi, light, guide) : scattering->pdf(wi, light, allowed);
   }
   /** Density with which a light path that arrives from unit `light` continues along `wi`. */
   float pdfReverse(const Vec3f& light) const {
-    return medium ? pdf(light) : scattering->pdf(light, wi, ALL_LOBES, Transport::FLUX);
+    return medium ? medium->phase->value(glm::dot(-wi, light))
+                  : scattering->pdf(light, wi, ALL_LOBES, Transport::FLUX);
   }
 };
 
@@ -158,5 +161,29 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
 void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
                             const LightSampleContext& context, const LitVertex& vertex, int samples,
                             int maxPanes, Sampler& sampler, PathRadiance& out);
+
+/** Adds the light of `samples` shadow rays at a connectable vertex of a camera path, at a surface or in a
+ * medium, through at most `maxPanes` thin panes. `context`: of the vertex in `lightSampler`. */
+inline void addDirectLight(const Scene& scene, const LightSampler& lightSampler,
+                           const LightSampleContext& context, const CameraSubpath& path,
+                           const CameraVertex& vertex, int samples, int maxPanes, Sampler& sampler,
+                           PathRadiance& out) {
+  if (scene.hasMedia())
+    addSampledLightInMedia(scene, lightSampler, context,
+                           {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
+                            vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
+                            true, path.optical, vertex.guide},
+                           samples, maxPanes, sampler, out);
+  else
+    addSampledLight(scene, lightSampler, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+                    vertex.throughput, vertex.afterD, samples, ALL_LOBES, maxPanes, sampler, out,
+                    path.optical);
+}
+
+/** Context for choosing lights at a vertex. */
+inline LightSampleContext lightSampleContext(const LightSampler& lightSampler, const CameraVertex& vertex) {
+  if (vertex.medium) return {vertex.point().position};
+  return lightSampleContext(lightSampler, vertex.point(), vertex.wi);
+}
 
 } // namespace recurse

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "recurse/core/sampling/equalAreaSquare.h"
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/core/threads/parallel.h"
 
@@ -14,11 +15,14 @@ namespace recurse {
 
 namespace {
 
-constexpr size_t BUCKETS = 6;
+constexpr size_t BUCKETS = 7, IN_MEDIUM = 6;
 constexpr int MAX_CELL_DEPTH = 24;
+constexpr float UNIFORM = INV_PI / 4; ///< density over the whole sphere [1/sr]
 
-/** Index of the signed axis nearest to a normal: 2 · axis, plus 1 if the direction is negative. */
+/** Index of the signed axis nearest to a normal: 2 · axis, plus 1 if the direction is negative; IN_MEDIUM for
+ * normal 0. */
 size_t bucketOf(const Vec3f& normal) {
+  if (normal == Vec3f(0)) return IN_MEDIUM;
   const Vec3f n = glm::abs(normal);
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
   return static_cast<size_t>(2 * axis + (normal[axis] < 0 ? 1 : 0));
@@ -40,7 +44,8 @@ class CellFit {
     count = Weights(records).effectiveCount();
     Vec3f sum(0);
     for (const GuideRecord& r : records) sum += r.normal;
-    frame = Frame(glm::normalize(sum)); // each normal is within 55 degrees of the bucket's axis
+    // Each normal is within 55 degrees of the bucket's axis.
+    if (bucketOf(local.front().normal) != IN_MEDIUM) frame = Frame(glm::normalize(sum));
   }
 
   /** Effective number of records. */
@@ -51,8 +56,12 @@ class CellFit {
     std::vector<WeightedPoint> chosen;
     for (size_t i = 0; i < records.size(); ++i) {
       if (remainder >= 0 && static_cast<int>(i % 2) != remainder) continue;
-      const Vec3f local = frame.toLocal(records[i].direction);
-      if (local.z > 0) chosen.push_back({squareOfDisk({local.x, local.y}), records[i].value});
+      const Vec3f& direction = records[i].direction;
+      if (!frame) {
+        chosen.push_back({squareOfDirection(direction), records[i].value});
+      } else if (const Vec3f local = frame->toLocal(direction); local.z > 0) {
+        chosen.push_back({squareOfDisk({local.x, local.y}), records[i].value});
+      }
     }
     return SquareTree(chosen);
   }
@@ -72,7 +81,7 @@ class CellFit {
     return total > 0 ? sum / total : 0;
   }
 
-  Frame frame{Vec3f(0, 0, 1)};
+  std::optional<Frame> frame; ///< empty in a medium
 
  private:
   /** Sums of the values of records. */
@@ -115,14 +124,20 @@ class CellFit {
 } // namespace
 
 float GuideCell::pdf(const Vec3f& direction) const {
-  const Vec3f local = frame.toLocal(direction);
+  if (!frame) return tree.pdf(squareOfDirection(direction)) * UNIFORM;
+  const Vec3f local = frame->toLocal(direction);
   return local.z > 0 ? tree.pdf(squareOfDisk({local.x, local.y})) * local.z * INV_PI : 0;
 }
 
 Vec3f GuideCell::sample(Vec2f u, float& density) const {
-  const Vec3f local = cosineHemisphere(tree.sample(u, density));
+  const Vec2f point = tree.sample(u, density);
+  if (!frame) {
+    density *= UNIFORM;
+    return directionOfSquare(point);
+  }
+  const Vec3f local = cosineHemisphere(point);
   density *= local.z * INV_PI;
-  return frame.toWorld(local);
+  return frame->toWorld(local);
 }
 
 void GuideField::divide(std::span<uint32_t> order, std::span<const GuideRecord> records, uint32_t node,

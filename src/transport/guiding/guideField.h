@@ -6,6 +6,7 @@
  */
 #pragma once
 
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,22 +20,24 @@ namespace recurse {
 /** Sample of the light that arrives at a vertex of a camera path, or at the surface of a photon. */
 struct GuideRecord {
   Vec3f position{0};
-  Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from
+  Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from; 0 in a medium
   Vec3f direction{0}; ///< unit, away from the vertex
-  /** f L cos θ times the MIS weight of the ray, over the pdf of the direction; of a photon its flux, in any
-   * unit, since each cell scales both kinds of records. Positive. */
+  /** f L cos θ (in a medium: phase function · L) times the MIS weight of the ray, over the pdf of the
+   * direction; of a photon its flux, in any unit, since each cell scales both kinds of records. Positive. */
   float value = 0;
-  float pdfBsdf = 0;       ///< density of BSDF sampling [1/sr]; of a photon cos θ / π; positive
+  /** Density of BSDF sampling or of the phase function [1/sr]; of a photon cos θ / π, or 1 / 4π. Positive. */
+  float pdfBsdf = 0;
   bool fromPhoton = false; ///< a photon, not a camera path, made the record
 };
 
 /** Directional density shared by neighbouring positions: cosine lobe around the mean normal of the records,
- * times a quadtree density over the unit square that the lobe is sampled from. */
+ * in a medium the whole sphere, times a quadtree density over the unit square that these are sampled from. */
 class GuideCell final : public DirectionGuide {
  public:
   /** A cell without a density: too few records. */
   GuideCell() = default;
-  GuideCell(SquareTree tree, const Frame& frame)
+  /** `frame`: of the cosine lobe; empty: the whole sphere. */
+  GuideCell(SquareTree tree, const std::optional<Frame>& frame)
       : tree(std::move(tree)), frame(frame), hasDensity(true), on(true) {}
 
   /** Probability of BSDF sampling: with it a wrong tree at most doubles a path's weight at each vertex. */
@@ -49,7 +52,7 @@ class GuideCell final : public DirectionGuide {
  private:
   friend class GuideField;
   SquareTree tree;
-  Frame frame{Vec3f(0, 0, 1)};
+  std::optional<Frame> frame;
   uint64_t records = 0;
   double gain = 0; ///< see LearnedDirections
   bool hasDensity = false, on = false;
@@ -62,8 +65,8 @@ class GuideField {
    * not depend on the number of threads. */
   void build(std::span<const GuideRecord> records, float smallest);
 
-  /** Cell for a point with unit `normal` on the side that it is seen from. Null where only BSDF sampling is
-   * used. */
+  /** Cell for a point with unit `normal` on the side that it is seen from, or in a medium with normal 0. Null
+   * where only BSDF sampling, or the phase function, is used. */
   const GuideCell* find(const Vec3f& position, const Vec3f& normal) const {
     const GuideCell* cell = cellAt(position, normal);
     return cell && cell->isOn() ? cell : nullptr;
@@ -96,8 +99,8 @@ class GuideField {
   void divide(std::span<uint32_t> order, std::span<const GuideRecord> records, uint32_t node, float smallest,
               int depth, std::vector<std::span<uint32_t>>& leaves);
 
-  std::vector<Node>
-      nodes; ///< the first are the roots, one for each signed axis that a normal can be nearest to
+  std::vector<Node> nodes; ///< the first are the roots: one for each signed axis that a normal can be nearest
+                           ///< to, and one for media
   std::vector<GuideCell> cells;
   size_t on = 0;
 };

@@ -34,9 +34,13 @@ class TrainingPath {
     if (vertices.size() == MAX_VERTICES || !(before > 0)) return;
     GuideRecord r;
     r.position = vertex.point().position;
-    r.normal = vertex.point().normalTowards(vertex.wi);
     r.direction = s.direction;
-    r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
+    if (vertex.medium) {
+      r.pdfBsdf = pdfInMedium(*vertex.medium, -vertex.wi, s.direction, nullptr);
+    } else {
+      r.normal = vertex.point().normalTowards(vertex.wi);
+      r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
+    }
     if (r.pdfBsdf > 0) vertices.push_back({r, before});
   }
   void finish() {
@@ -63,36 +67,41 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
   const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& rowCounts) {
     if (control.stopped()) return;
+    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     TrainingPath recorder(records);
     PathRadiance direct(classes, rowCounts);
     CameraVertex vertex;
     BsdfRay last;
     const auto emission = [&](const Hit* hit) {
       const Vec3f& direction = path.ray.direction;
-      recorder.add(path.throughput *
-                   (hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples)
-                        : environmentRadiance(scene, lights, direction, last, settings.lightSamples)));
+      const SpectralPath spectral = path.spectral();
+      const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
+      recorder.add(
+          path.throughput *
+          (hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)
+               : environmentRadiance(scene, lights, direction, last, settings.lightSamples, inMedia)));
     };
-    while (walker.next(path, vertex, sampler, emission)) {
-      vertex.scattering->follow(guideAt(guide, vertex.point(), vertex.wi));
+    const auto mediumEmission = [&](const Rgb& radiance) { recorder.add(radiance); };
+    while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
+      followGuide(guide, vertex);
       LightSampleContext context;
       if (vertex.isConnectable()) {
-        context = lightSampleContext(lights, vertex.point(), vertex.wi);
+        context = lightSampleContext(lights, vertex);
         direct.reset();
-        addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
-                        vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES,
-                        panesLeft(settings.maxDepth, vertex.depth), sampler, direct);
+        addDirectLight(scene, lights, context, path, vertex, settings.lightSamples,
+                       panesLeft(settings.maxDepth, vertex.depth), sampler, direct);
         recorder.add(direct.total());
       }
       const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
       if (!s) break;
-      if (!path.delta && vertex.scattering->isGuidable()) recorder.leave(vertex, *s);
-      if (!passesPane(scene, *vertex.scattering, *s))
+      if (!path.delta && (vertex.medium || vertex.scattering->isGuidable())) recorder.leave(vertex, *s);
+      if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
         last = {context, static_cast<float>(path.pdf), !path.delta};
     }
     recorder.finish();
   };
-  return collectFromCameraPaths<GuideRecord>(scene, resolution, settings.maxDepth, seed, counts, follow);
+  return collectFromCameraPaths<GuideRecord>(scene, resolution, settings.maxDepth, seed, counts, follow,
+                                             InMedia::SCATTER);
 }
 
 } // namespace

@@ -8,6 +8,7 @@
 #include "transport/direct/lightSampler.h"
 #include "transport/emission/emissionMixture.h"
 #include "transport/guiding/guideField.h"
+#include "transport/paths/pathVertex.h"
 
 namespace recurse {
 
@@ -58,6 +59,14 @@ class GuideTraining {
 /** Guide cell at a surface point on the side of unit `wi`; null: BSDF sampling only. */
 inline const GuideCell* guideAt(const GuideField& guide, const SurfacePoint& point, const Vec3f& wi) {
   return guide.find(point.position, point.normalTowards(wi));
+}
+
+/** Mixes the guide into the sampling of the next direction of a camera path, at a surface or in a medium. */
+inline void followGuide(const GuideField& guide, CameraVertex& vertex) {
+  if (vertex.medium)
+    vertex.guide = guide.find(vertex.point().position, Vec3f(0));
+  else
+    vertex.scattering->follow(guideAt(guide, vertex.point(), vertex.wi));
 }
 
 } // namespace recurse

@@ -31,6 +31,15 @@ std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, con
     r.fromPhoton = true;
     if (r.value > 0 && std::isfinite(r.value) && r.pdfBsdf > 0) records.push_back(r);
   }
+  for (const VolumePhoton& p : shot.inMedia) {
+    GuideRecord r;
+    r.position = p.position;
+    r.direction = -unpackDirection(p.direction);
+    r.value = luminance(p.power);
+    r.pdfBsdf = INV_PI / 4; // an isotropic phase function stands in
+    r.fromPhoton = true;
+    if (r.value > 0 && std::isfinite(r.value)) records.push_back(r);
+  }
   return records;
 }
 

@@ -56,6 +56,16 @@ template <class State> struct Subpath {
   SpectralPath spectral() const { return {throughput, pathPdf, lightPdf}; }
 };
 
+/** Density with which a medium scatters unit `direction` into unit `to`: that of the phase function, or of
+ * its mixture with a guide if that is not null [1/sr]. */
+inline float pdfInMedium(const Medium& medium, const Vec3f& direction, const Vec3f& to,
+                         const DirectionGuide* guide) {
+  const float byPhase = medium.phase->value(glm::dot(direction, to));
+  if (!guide) return byPhase;
+  const float a = guide->bsdfProbability();
+  return a * byPhase + (1 - a) * guide->pdf(to);
+}
+
 /** Vertex of a walk: a point of scattering at a surface or in a medium. */
 template <class State> struct PathVertex {
   Hit hit;
@@ -69,6 +79,7 @@ template <class State> struct PathVertex {
   double toPrevious = 1;     ///< factor |cos|/d² from density of directions to area at the previous vertex
   std::optional<ScatteringPoint> scattering; ///< valid until the walker's next step; empty in a medium
   const Medium* medium = nullptr;            ///< medium that scatters; null at a surface
+  const DirectionGuide* guide = nullptr;     ///< mixed into the phase function of camera paths; null: none
   float survival = 1; ///< survival probability of a light path in a medium, not used above 1
 
   const SurfacePoint& point() const { return hit.point; }

@@ -178,6 +178,7 @@ template <class State> class Walker {
 
   void arriveInMedium(const Path& path, Vertex& vertex) const {
     vertex.scattering.reset();
+    vertex.guide = nullptr;
     vertex.wi = -path.ray.direction;
     vertex.throughput = path.throughput;
     vertex.state = path.state;
@@ -188,12 +189,23 @@ template <class State> class Walker {
 
   std::optional<Scatter> scatterInMedium(Path& path, const Vertex& vertex, Sampler& sampler) const {
     if (vertex.allowed == NO_LOBE) return {};
+    const PhaseFunction& phase = *vertex.medium->phase;
+    const Vec3f& direction = path.ray.direction;
+    const Vec2f u = sampler.next2D();
     Scatter s;
-    s.direction = vertex.medium->phase->sample(path.ray.direction, sampler.next2D());
-    s.pdf = vertex.medium->phase->value(glm::dot(path.ray.direction, s.direction));
-    s.weight = Rgb(1);
+    float byGuide;
+    if (vertex.guide && sampler.next1D() >= vertex.guide->bsdfProbability())
+      s.direction = vertex.guide->sample(u, byGuide);
+    else
+      s.direction = phase.sample(direction, u);
+    s.pdf = pdfInMedium(*vertex.medium, direction, s.direction, vertex.guide);
     s.lobe = REFLECTION;
-    if (!(s.pdf > 0)) return {};
+    const float f = phase.value(glm::dot(direction, s.direction));
+    if (!(s.pdf > 0) || !(f > 0)) return {};
+    s.weight = Rgb(f / s.pdf);
+    s.rouletteScale = s.pdf / f;
+    path.throughput *= s.weight;
+    path.etaScale *= s.rouletteScale;
     if (!survives(path, vertex.survival, sampler)) return {};
     path.state = vertex.afterD;
     path.delta = false;
