@@ -45,6 +45,17 @@ double integral(const SquareTree& tree, int across = 1024) {
   return sum / (double(across) * across);
 }
 
+/** Integral of a density over all directions. */
+double integral(const GuideCell& cell) {
+  constexpr int ACROSS = 512;
+  double sum = 0;
+  for (int y = 0; y < ACROSS; ++y)
+    for (int x = 0; x < ACROSS; ++x)
+      sum +=
+          double(cell.pdf(directionOfSquare(Vec2f((float(x) + 0.5f) / ACROSS, (float(y) + 0.5f) / ACROSS))));
+  return sum * 4 * double(PI) / square(double(ACROSS));
+}
+
 /** Records of camera paths over a floor of unit size, whose directions follow a cosine lobe around +z. */
 template <class Value> std::vector<GuideRecord> cosineRecords(size_t count, const Value& value) {
   std::mt19937 random(7);
@@ -218,13 +229,7 @@ TEST(GuideField, ADensityOfACellIntegratesToOneAndIsThatOfItsSamples) {
   const GuideCell* cell =
       cellOf(cosineRecords(20000, [](const Vec3f& d) { return d.x > 0.5f ? d.z : 0; }), field);
   ASSERT_NE(cell, nullptr);
-  constexpr int ACROSS = 512;
-  double sum = 0;
-  for (int y = 0; y < ACROSS; ++y)
-    for (int x = 0; x < ACROSS; ++x)
-      sum +=
-          double(cell->pdf(directionOfSquare(Vec2f((float(x) + 0.5f) / ACROSS, (float(y) + 0.5f) / ACROSS))));
-  EXPECT_NEAR(sum * 4 * double(PI) / square(double(ACROSS)), 1, 3e-3);
+  EXPECT_NEAR(integral(*cell), 1, 3e-3);
   std::mt19937 random(1);
   std::uniform_real_distribution<float> uniform(0, 1);
   int equal = 0;
@@ -256,13 +261,7 @@ TEST(GuideField, InAMediumACellCoversAllDirections) {
   EXPECT_EQ(field.find(middle, {0, 0, 1}), nullptr) << "surfaces learn nothing from media";
   const GuideCell* cell = field.find(middle, Vec3f(0));
   ASSERT_NE(cell, nullptr);
-  constexpr int ACROSS = 512;
-  double sum = 0;
-  for (int y = 0; y < ACROSS; ++y)
-    for (int x = 0; x < ACROSS; ++x)
-      sum +=
-          double(cell->pdf(directionOfSquare(Vec2f((float(x) + 0.5f) / ACROSS, (float(y) + 0.5f) / ACROSS))));
-  EXPECT_NEAR(sum * 4 * double(PI) / square(double(ACROSS)), 1, 3e-3);
+  EXPECT_NEAR(integral(*cell), 1, 3e-3);
   int inCones = 0, equal = 0;
   constexpr int SAMPLES = 10000;
   for (int i = 0; i < SAMPLES; ++i) {

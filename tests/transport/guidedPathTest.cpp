@@ -13,10 +13,8 @@ namespace {
 
 constexpr const char* GUIDED = "\"bool guided\" true";
 
-} // namespace
-
-TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
-  const auto scene = sceneFrom(slitRoom());
+void expectMeanAndLessNoise(const std::string& text) {
+  const auto scene = sceneFrom(text);
   const PathClasses classes;
   const int spp = samples(256);
   const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", GUIDED);
@@ -27,6 +25,10 @@ TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
   if (spp < 256) return; // too few samples for the guide to learn
   EXPECT_LT(b.standardError(), 0.85 * a.standardError());
 }
+
+} // namespace
+
+TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) { expectMeanAndLessNoise(slitRoom()); }
 
 TEST(GuidedPath, InFogHasTheMeanOfPlainPathsAndLessNoise) {
   // Light enters the fog, which scatters it forwards, from one side.
@@ -39,16 +41,7 @@ Material "interface"
 Shape "box" "point3 p1" [ -1.5 -.9 -.9 ] "point3 p2" [ .95 .9 .9 ]
 AttributeEnd
 )");
-  const auto scene = sceneFrom(room);
-  const PathClasses classes;
-  const int spp = samples(256);
-  const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", GUIDED);
-  const Rendered a = renderScene(*scene, *plain, classes, spp, 1),
-                 b = renderScene(*scene, *guided, classes, spp, 2);
-  EXPECT_EQ(b.unsound(), "");
-  EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()));
-  if (spp < 256) return; // too few samples for the guide to learn
-  EXPECT_LT(b.standardError(), 0.85 * a.standardError());
+  expectMeanAndLessNoise(room);
 }
 
 TEST(GuidedPath, ErrorsFallAsTheNumberOfSamplesWithoutAPlateau) {

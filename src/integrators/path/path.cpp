@@ -18,8 +18,7 @@ void registerPath(PlugIns& plugIns) {
          booleanParameter(
              "guided", "false",
              "path guiding: learn the directions of incident light, on surfaces and in media, and sample "
-             "them as well; "
-             "helps where light enters through small openings")});
+             "them as well; helps where light enters through small openings")});
     plugIns.integrators.add(
         {{.name = name,
           .summary = summary,
