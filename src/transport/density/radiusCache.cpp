@@ -53,7 +53,7 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Re
 }
 
 /** Computes the radii of cache records from the photons of a first map. */
-class PlaceFinder {
+class RecordFitter {
  public:
   /** Copies of the records with a known geometry, and their positions. */
   struct Fitted {
@@ -61,8 +61,8 @@ class PlaceFinder {
     PhotonMap positions;
   };
 
-  PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
-              const RayAlternative& rays, TransportCounts& counts)
+  RecordFitter(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
+               const RayAlternative& rays, TransportCounts& counts)
       : scene(scene), first(first), search(search), rays(rays), counts(counts) {}
 
   /** Creates records at every `every`-th photon and at all visible points, with the distance to the k-th
@@ -78,11 +78,8 @@ class PlaceFinder {
         Photon photon;
         photon.position = first.position(i * every);
         photon.direction = first.packedDirection(i * every);
-        GatherRegion region;
-        region.center = photon.position;
-        region.bothSides = true;
         // Of coinciding photons a surface beside them, by rounding errors, would have a radius of that size.
-        const float near = kthDistance(region, scratch);
+        const float near = kthDistance(around(photon.position), scratch);
         if (near == 0) return;
         found = surfaceOf(scene, photon, near, taskCounts);
         // Transmitting surfaces are seen from both sides, whichever side the light is on.
@@ -203,37 +200,51 @@ class PlaceFinder {
     return measured;
   }
 
+  static GatherRegion around(const Vec3f& position) {
+    GatherRegion region;
+    region.center = position;
+    region.bothSides = true;
+    return region;
+  }
+  /** Calls f(index) for each position of a block. */
+  template <class F>
+  static void forIndices(const PhotonMap& positions, const PhotonBlock& block, const F& f) {
+    for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
+      f(positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots))));
+  }
+  /** Calls f(index) for the 16 positions nearest to a point. */
+  template <class F>
+  static void forNearest(const PhotonMap& positions, const Vec3f& point, PhotonScratch& scratch, const F& f) {
+    constexpr int NEAREST = 16;
+    positions.nearest(around(point), NEAREST, scratch);
+    positions.visitNearest(scratch, [&](const PhotonBlock& block) { forIndices(positions, block, f); });
+  }
+
   /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
    * unequal their powers, the larger the neighbourhood: it has the evidence of PHOTONS equal photons. */
   static Evidence evidenceAt(const Measured& measured, const Record& record, PhotonScratch& scratch) {
-    constexpr int NEAREST = 16;
     constexpr float PHOTONS = 8;
     constexpr float COHERENT = 0.7f;
     constexpr float MAX_RATIO = 4; // ratio of radii: small pools of light say nothing on wide supports
-    const PhotonMap& positions = measured.positions;
-    GatherRegion region;
-    region.center = record.position;
-    region.bothSides = true;
-    positions.nearest(region, NEAREST, scratch);
     Evidence evidence;
-    const auto add = [&](const PhotonBlock& block, bool onlySeen) {
-      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
-        const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)));
-        const Record& other = measured.records[m];
-        const auto [narrow, wide] = std::minmax(record.radius, other.radius);
-        if (!(wide < MAX_RATIO * narrow)) continue;
-        const bool seen =
-            glm::dot(record.normal, other.normal) > COHERENT && record.around.sees(other.position);
-        if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
-      }
+    const auto add = [&](size_t m, bool onlySeen) {
+      const Record& other = measured.records[m];
+      const auto [narrow, wide] = std::minmax(record.radius, other.radius);
+      if (!(wide < MAX_RATIO * narrow)) return;
+      const bool seen =
+          glm::dot(record.normal, other.normal) > COHERENT && record.around.sees(other.position);
+      if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
     };
-    positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
-    if (evidence.recordCount == 0)
-      positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
+    for (const bool onlySeen : {true, false})
+      if (evidence.recordCount == 0)
+        forNearest(measured.positions, record.position, scratch, [&](size_t m) { add(m, onlySeen); });
     if (evidence.recordCount == 0) return evidence;
     const Evidence nearest = std::exchange(evidence, {});
+    GatherRegion region = around(record.position);
     region.radius = record.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
-    positions.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
+    measured.positions.visitWithin(region, [&](const PhotonBlock& block) {
+      forIndices(measured.positions, block, [&](size_t m) { add(m, true); });
+    });
     return evidence.recordCount < nearest.recordCount ? nearest : evidence;
   }
 
@@ -263,28 +274,18 @@ class PlaceFinder {
    * radius needs more than it knows, and the surface is known to be flat that far with nothing close above.
    */
   static void takeSurroundings(Record& record, const Fitted& fitted, float scale, PhotonScratch& scratch) {
-    constexpr int NEAREST = 16;
     const float needed = ENOUGH * scale * record.radius;
     if (record.around.reach >= needed || fitted.records.empty()) return;
-    const PhotonMap& positions = fitted.positions;
-    GatherRegion region;
-    region.center = record.position;
-    region.bothSides = true;
-    positions.nearest(region, NEAREST, scratch);
     const Record* best = nullptr;
     float flat = needed;
-    positions.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
-        const Record& other =
-            fitted
-                .records[positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(slots)))];
-        const float here = other.around.flat - glm::distance(record.position, other.position);
-        if (here < flat || other.around.clearance < INFINITE ||
-            !other.isOnSurfaceOf(record.position, record.normal))
-          continue;
-        best = &other;
-        flat = here;
-      }
+    forNearest(fitted.positions, record.position, scratch, [&](size_t f) {
+      const Record& other = fitted.records[f];
+      const float here = other.around.flat - glm::distance(record.position, other.position);
+      if (here < flat || other.around.clearance < INFINITE ||
+          !other.isOnSurfaceOf(record.position, record.normal))
+        return;
+      best = &other;
+      flat = here;
     });
     if (!best) return;
     record.around = best->around;
@@ -408,7 +409,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   // The number of records is limited by the pixels, since a small image has less use for each.
   constexpr size_t EVERY = 4, MIN_COUNT = 8192, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
-  PlaceFinder finder(scene, first, search, rays, counts);
+  RecordFitter finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;
   if (!first.empty())
     records = finder.find(std::max(EVERY, first.size() / std::clamp(pixels / 4, MIN_COUNT, MAX_COUNT)), seen,
