@@ -59,8 +59,8 @@ class RadiusCache {
     GatherBenefit benefit;
     Neighbourhood around;
 
-    /** Whether a point with this geometric normal is on the surface of the record: on a different side, on the
-     * next layer or behind a wall, the record says nothing of it. */
+    /** Whether a point with this geometric normal is on the surface of the record: on a different side, on
+     * the next layer or behind a wall, the record says nothing of it. */
     bool isOnSurfaceOf(const Vec3f& point, const Vec3f& pointNormal) const {
       constexpr float COHERENT = 0.9f;
       if (!(glm::dot(normal, pointNormal) > COHERENT) || !around.sees(point)) return false;
