@@ -157,7 +157,11 @@ class LivePage(Page):
                 self.assertAlmostEqual(sum(k[10][c] for k in pixel["contributions"][first:last]), total[c],
                                        delta=1e-4 * max(total))
         linear = json.loads(self.render.get("pixel?x=9&y=24"))
-        self.assertLess(abs(pixel["value"][1] - linear[1]), 5 * linear[1])
+        greens = [total[1] for *_, total in pixel["samples"]]
+        self.assertAlmostEqual(pixel["value"][1], sum(greens) / len(greens), delta=1e-4 * max(greens))
+        # The picture has more samples. A single bright one of these may make their mean ten times as bright.
+        self.assertLess(min(greens), 2 * linear[1])
+        self.assertGreater(max(greens), linear[1] / 2)
         # The table has the contributions, and for one of them its vertices.
         rows = self.inFrame("d.getElementById('contributions').rows.length")
         self.assertEqual(rows, 1 + min(200, len(pixel["contributions"])))
