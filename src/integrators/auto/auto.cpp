@@ -119,6 +119,7 @@ class Auto final : public Integrator {
         makePathTracing({settings.maxDepth, settings.lightSamples}, nullptr, &lights);
     paths->prepare(scene, classes);
     const Rounds traced = counted({trial.take(*paths, 0), trial.take(*paths, 1)});
+    if (control.stopped()) return; // no note on an incomplete trial
     if (EstimatorTrial::effectiveCount(traced) < FEW) {
       statistics.notes.push_back(
           "auto chose photonmap: the trial of path tracing found too few samples with light to compare");
@@ -164,7 +165,7 @@ class Auto final : public Integrator {
     instead = std::move(paths);
   }
 
-  /** Decides by a trial in which the squared error of photonmap is `ratio` times that of paths, and notes the
+  /** Whether paths replace photonmap, whose squared error is `ratio` times theirs in the trial; notes the
    * decision. */
   static bool arePathsBetter(double ratio, bool withCaustics, std::vector<std::string>& notes) {
     constexpr double CLEARLY = 2; // trials miss rare bright samples, of which paths have more

@@ -40,7 +40,7 @@ class PlainPath {
       : scene(scene), classes(out.pathClasses()), lights(lights), settings(settings), sampler(sampler),
         out(out), caustics(caustics), walker(scene, classes, out.counts, settings.maxDepth),
         path(startCameraSubpath(scene, classes, ray, out.counts)), record(out.recorder) {
-    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    if (scene.hasMedia()) path.hero = drawHero(sampler.next1D());
   }
 
   void trace() {

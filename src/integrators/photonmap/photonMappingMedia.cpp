@@ -62,7 +62,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   const Vec3f& direction = path.walk.ray.direction;
   addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
   if (settings.directLight) return;
-  const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
+  const int hero = drawHero(sampler.fork(HERO).next1D());
   const int panes = panesLeft(settings.maxDepth, path.walk.depth + 1);
   OpticalPath optical = path.walk.optical;
   const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {

@@ -80,6 +80,7 @@ class PhotonPass {
    * after the first may run without the first. */
   void learnFrom(const PhotonPass& other);
 
+  /** Exchanges the maps of caustics, not what has been learned. */
   void exchangeCaustics(PhotonPass& other) { std::swap(causticLayer.map, other.causticLayer.map); }
 
   /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */

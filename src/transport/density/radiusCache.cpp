@@ -122,8 +122,8 @@ class RecordFitter {
     fit(records, [](size_t, const Fitted&, PhotonScratch&, TransportCounts&) {});
   }
 
-  /** Measures the errors of supports at some of the records, estimates those of all from their neighbours,
-   * and fits the radii to the surfaces; if `choosesAreas` to the areas of least error. */
+  /** Fits all radii to the surfaces. The errors of supports are measured at some records; each record has
+   * those of its neighbours. `choosesAreas`: each radius becomes that of the area of least error. */
   void judge(std::vector<Record>& records, size_t ofPhotons, double alpha, LightDetail detail,
              bool choosesAreas) {
     const Measured measured = measure(records, ofPhotons);
@@ -147,7 +147,7 @@ class RecordFitter {
  private:
   /** Records at which the errors of supports are measured. */
   struct Measured {
-    std::vector<size_t> indices; ///< of all records
+    std::vector<size_t> indices; ///< index of each measured record among all records
     std::vector<Record> records; ///< before any choice of area
     std::vector<SupportErrors> errors;
     PhotonMap positions;

@@ -41,7 +41,8 @@ std::vector<Row> followCameraPaths(const Scene& scene, int resolution, int maxDe
   return rows;
 }
 
-/** The same for rows that are lists; returns their items as one list. */
+/** Follows camera paths as followCameraPaths() does, with rows that are lists; returns their items as one
+ * list. */
 template <class Item, class Follow>
 std::vector<Item> collectFromCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
                                          TransportCounts& counts, const Follow& follow,
@@ -53,7 +54,8 @@ std::vector<Item> collectFromCameraPaths(const Scene& scene, int across, int max
   return all;
 }
 
-/** The same; add(items, path, vertex) may append items at each vertex of a path. */
+/** Calls add(items, path, vertex), which may append items, at each vertex of the paths of
+ * collectFromCameraPaths(). */
 template <class Item, class Add>
 std::vector<Item> collectAtCameraVertices(const Scene& scene, int across, int maxDepth, uint64_t seed,
                                           TransportCounts& counts, const Add& add) {

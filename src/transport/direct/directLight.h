@@ -142,7 +142,9 @@ struct LitVertex {
     return medium ? Rgb(medium->phase->value(glm::dot(-wi, light))) : scattering->evaluate(wi, light);
   }
   float pdf(const Vec3f& light) const {
-    return medium ? pdfInMedium(*medium, -wi, light, guide) : scattering->pdf(wi, light, allowed);
+    if (!medium) return scattering->pdf(wi, light, allowed);
+    const float byPhase = medium->phase->value(glm::dot(-wi, light));
+    return guide ? guide->mixturePdf(byPhase, light) : byPhase;
   }
   /** Density with which a light path that arrives from unit `light` continues along `wi`. */
   float pdfReverse(const Vec3f& light) const {

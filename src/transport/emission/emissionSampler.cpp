@@ -46,7 +46,7 @@ bool EmissionSampler::start(float time, Sampler& sampler, LightStart& start) con
     const uint16_t declared = isInfinite ? settings.outside : scene.lightMedium(start.end.index);
     path.nesting.startIn(declared ? declared : mediumAround(scene, path.ray, 0, counts));
   }
-  path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+  path.hero = drawHero(sampler.next1D());
   return true;
 }
 

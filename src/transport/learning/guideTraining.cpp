@@ -36,7 +36,7 @@ class TrainingPath {
     r.position = vertex.point().position;
     r.direction = s.direction;
     if (vertex.medium) {
-      r.pdfBsdf = pdfInMedium(*vertex.medium, -vertex.wi, s.direction, nullptr);
+      r.pdfBsdf = vertex.medium->phase->value(glm::dot(-vertex.wi, s.direction));
     } else {
       r.normal = vertex.point().normalTowards(vertex.wi);
       r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
@@ -67,7 +67,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
   const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& rowCounts) {
     if (control.stopped()) return;
-    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    if (scene.hasMedia()) path.hero = drawHero(sampler.next1D());
     TrainingPath recorder(records);
     PathRadiance direct(classes, rowCounts);
     CameraVertex vertex;

@@ -16,6 +16,9 @@
 
 namespace recurse {
 
+/** Colour channel that draws distances in media, by a number u in [0, 1). */
+inline int drawHero(float u) { return std::min(2, static_cast<int>(3 * u)); }
+
 /** Spectral state of a path in media, by colour channel. */
 struct SpectralPath {
   Rgb throughput{1}; ///< path throughput over the mean of pathPdf

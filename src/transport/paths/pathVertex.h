@@ -56,16 +56,6 @@ template <class State> struct Subpath {
   SpectralPath spectral() const { return {throughput, pathPdf, lightPdf}; }
 };
 
-/** Density with which a medium scatters unit `direction` into unit `to`: that of the phase function, or of
- * its mixture with a guide if that is not null [1/sr]. */
-inline float pdfInMedium(const Medium& medium, const Vec3f& direction, const Vec3f& to,
-                         const DirectionGuide* guide) {
-  const float byPhase = medium.phase->value(glm::dot(direction, to));
-  if (!guide) return byPhase;
-  const float a = guide->bsdfProbability();
-  return a * byPhase + (1 - a) * guide->pdf(to);
-}
-
 /** Vertex of a walk: a point of scattering at a surface or in a medium. */
 template <class State> struct PathVertex {
   Hit hit;

@@ -193,14 +193,14 @@ template <class State> class Walker {
     const Vec3f& direction = path.ray.direction;
     const Vec2f u = sampler.next2D();
     Scatter s;
-    float byGuide;
+    float byGuide = 0;
     if (vertex.guide && sampler.next1D() >= vertex.guide->bsdfProbability())
       s.direction = vertex.guide->sample(u, byGuide);
     else
       s.direction = phase.sample(direction, u);
-    s.pdf = pdfInMedium(*vertex.medium, direction, s.direction, vertex.guide);
-    s.lobe = REFLECTION;
     const float f = phase.value(glm::dot(direction, s.direction));
+    s.pdf = vertex.guide ? vertex.guide->mixturePdf(f, s.direction) : f;
+    s.lobe = REFLECTION;
     if (!(s.pdf > 0) || !(f > 0)) return {};
     s.weight = Rgb(f / s.pdf);
     s.rouletteScale = s.pdf / f;

@@ -20,6 +20,13 @@ class DirectionGuide {
   virtual Vec3f sample(Vec2f u, float& density) const = 0;
   /** Probability of sampling the BSDF, in [0, 1). */
   virtual float bsdfProbability() const = 0;
+
+  /** Density of a unit direction by the mixture of this guide and of sampling that has the density `byBsdf`
+   * there [1/sr]. */
+  float mixturePdf(float byBsdf, const Vec3f& direction) const {
+    const float a = bsdfProbability();
+    return a * byBsdf + (1 - a) * pdf(direction);
+  }
 };
 
 /** Directions of incident light that a render has learned for a point and its neighbourhood. */

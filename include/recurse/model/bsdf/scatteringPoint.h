@@ -101,9 +101,7 @@ class ScatteringPoint {
   /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]. */
   float pdfNonDelta(const Vec3f& wi, const Vec3f& wo, Transport transport = Transport::RADIANCE) const {
     const float byBsdf = pdfBsdf(wi, wo);
-    if (!guide || transport == Transport::FLUX) return byBsdf;
-    const float a = guide->bsdfProbability();
-    return a * byBsdf + (1 - a) * guide->pdf(wo);
+    return guide && transport == Transport::RADIANCE ? guide->mixturePdf(byBsdf, wo) : byBsdf;
   }
   /** Density of BSDF sampling alone, without the guide [1/sr]. */
   float pdfBsdf(const Vec3f& wi, const Vec3f& wo) const {
