@@ -234,13 +234,13 @@ TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
   const ThreadPool pool(0);
   LightSampler lights;
   ASSERT_GT(lights.learn(*scene).rays, 0u);
-  const auto path = makePathTracing({}, nullptr, &lights);
+  const auto path = makePathTracing({}, &lights);
   path->prepare(*scene, PathClasses());
   EXPECT_EQ(path->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays, 0u);
   PhotonMappingSettings settings;
   settings.photons = 1000;
   std::unique_ptr<PhotonMapper> each[] = {makePhotonMapping(settings, &lights),
-                                          makeCausticPaths(settings, &lights)};
+                                          makePhotonMapping(onlyCaustics(settings), &lights)};
   for (const auto& photons : each) {
     photons->prepare(*scene, PathClasses());
     const auto pass = [&] {

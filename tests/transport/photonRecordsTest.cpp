@@ -12,7 +12,7 @@ using namespace recurse::testing;
 
 namespace {
 
-std::vector<GuideRecord> recordsOf(const Scene& scene, uint64_t photons, bool caustics) {
+std::vector<GuideRecord> recordsOf(const Scene& scene, uint64_t photons) {
   LightSampler lights;
   lights.learn(scene);
   ShootSettings shoot;
@@ -21,7 +21,7 @@ std::vector<GuideRecord> recordsOf(const Scene& scene, uint64_t photons, bool ca
   Pass pass;
   pass.seed = 3;
   TransportCounts counts;
-  return photonRecords(scene, pass, shoot, caustics, {}, counts);
+  return photonRecords(scene, pass, shoot, {}, counts);
 }
 
 const char* const FLOOR = R"(
@@ -56,7 +56,7 @@ TEST(PhotonRecords, TheirFluxIsTheIntegralOfRadianceTimesCosine) {
         }
   const Vec3f middleOfFloor(-scene->origin());
   double foundRight = 0, foundLeft = 0;
-  for (const GuideRecord& r : recordsOf(*scene, 1 << 19, true)) {
+  for (const GuideRecord& r : recordsOf(*scene, 1 << 19)) {
     EXPECT_TRUE(r.fromPhoton);
     const Vec3f p = r.position - middleOfFloor;
     if (std::abs(p.y) > 1e-3f || std::abs(p.x) > 0.5f || std::abs(p.z) > 0.5f) continue;
@@ -77,7 +77,6 @@ Shape "bilinearmesh" "point3 P" [ 2 0 -4  2 4 -4  2 0 4  2 4 4 ]
   // The floor is black: all of its photons are caustics of the mirror, or direct light.
   const auto bySun = sceneFrom(camera + FLOOR + mirror + sun),
              byLamp = sceneFrom(camera + FLOOR + mirror + LAMP);
-  EXPECT_TRUE(recordsOf(*bySun, 20000, true).empty());
-  EXPECT_FALSE(recordsOf(*byLamp, 20000, true).empty());
-  EXPECT_TRUE(recordsOf(*byLamp, 20000, false).empty());
+  EXPECT_TRUE(recordsOf(*bySun, 20000).empty());
+  EXPECT_FALSE(recordsOf(*byLamp, 20000).empty());
 }

@@ -85,15 +85,15 @@ class Auto final : public Integrator {
     if (scene.film().whole().area() < EstimatorTrial::PIXELS)
       return formatted("the picture (below %d pixels) is too small to compare with path tracing",
                        EstimatorTrial::PIXELS);
-    // Path tracing with caustic photons stores them on surfaces only.
-    if (scene.hasMedia() && !raysFindAll(scene)) return "path tracing does not find all light in the media";
+    if (!mediaOnlyAbsorb(scene) && !raysFindAll(scene))
+      return "path tracing does not find all light in the media";
     return {};
   }
 
   /** Whether rays find all light that photons do. */
   bool raysFindAll(const Scene& scene) const {
     const PhotonPass& photons = mapper->photonPass();
-    const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
+    const bool causticsInMedia = !mediaOnlyAbsorb(scene) && (scene.contents().lobes & DELTA_LOBES);
     if (photons.caustics().map.empty() && !causticsInMedia) return true;
     for (uint32_t i = 0; i < scene.lights().size(); ++i) // rays rarely hit far lights
       if (!scene.lights()[i].isIntersectable() || photons.isFar(i)) return false;
@@ -111,12 +111,11 @@ class Auto final : public Integrator {
     const EstimatorTrial trial(scene, classes, second.seed, pass.time);
     using Rounds = EstimatorTrial::Rounds;
     using Figures = EstimatorTrial::Figures;
-    const auto counted = [&](Rounds rounds) {
+    const auto counted = [&](const Rounds& rounds) {
       for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
       return rounds;
     };
-    std::unique_ptr<Integrator> paths =
-        makePathTracing({settings.maxDepth, settings.lightSamples}, nullptr, &lights);
+    std::unique_ptr<Integrator> paths = makePathTracing({settings.maxDepth, settings.lightSamples}, &lights);
     paths->prepare(scene, classes);
     const Rounds traced = counted({trial.take(*paths, 0), trial.take(*paths, 1)});
     if (control.stopped()) return; // no note on an incomplete trial
@@ -125,32 +124,29 @@ class Auto final : public Integrator {
           "auto chose photonmap: the trial of path tracing found too few samples with light to compare");
       return;
     }
-    // The first round of each estimator uses the photons of the first pass.
-    double photonWork = 0; // of a pass for each pixel [camera rays]
-    const auto takeSecond = [&](PhotonMapper& photons) {
-      constexpr double PHOTON_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
-      TrialSamples samples;
-      const ForwardStatistics shot =
-          photons.withPass(second, scene, classes, control, [&] { samples = trial.take(photons, 1); });
-      statistics.counts.add(shot.counts);
-      photonWork = PHOTON_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
-      return samples;
+    Rounds mapped, both; // `both`: paths with caustic photons
+    const bool mayShare = !mapper->photonPass().caustics().map.empty() && mediaOnlyAbsorb(scene);
+    const auto take = [&](uint32_t round) {
+      mapped[round] = trial.take(*mapper, round);
+      if (mayShare) mapper->readingCausticsOnly([&] { both[round] = trial.take(*mapper, round); });
     };
-    const Rounds mapped = counted({trial.take(*mapper, 0), takeSecond(*mapper)});
-    Figures byMap = EstimatorTrial::figures(mapped, traced);
-    byMap.work += photonWork;
+    take(0);
+    const ForwardStatistics shot = mapper->withPass(second, scene, classes, control, [&] { take(1); });
+    statistics.counts.add(shot.counts);
+    // Work of a pass for each pixel [camera rays], with storing and sorting.
+    const auto photonWork = [&](uint64_t rays) {
+      constexpr double PHOTON_RAY = 1.6;
+      return PHOTON_RAY * double(rays) / double(scene.film().whole().area());
+    };
+    Figures byMap = EstimatorTrial::figures(counted(mapped), traced);
+    byMap.work += photonWork(shot.counts.rays);
     Figures byPaths = EstimatorTrial::figures(traced, mapped);
     byPaths.add(mapper->photonPass().causticVarianceByRays() +
                 EstimatorTrial::missedVariance(traced, mapped));
     bool withCaustics = false;
-    if (!mapper->photonPass().caustics().map.empty()) {
-      std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights, &mapper->photonPass());
-      causticPaths->prepare(scene, classes);
-      TrialSamples first;
-      causticPaths->withCausticsOf(*mapper, [&] { first = trial.take(*causticPaths, 0); });
-      const Rounds both = counted({std::move(first), takeSecond(*causticPaths)});
-      Figures byBoth = EstimatorTrial::figures(both, mapped);
-      byBoth.work += photonWork;
+    if (mayShare) {
+      Figures byBoth = EstimatorTrial::figures(counted(both), mapped);
+      byBoth.work += photonWork(shot.photonsEmitted); // most have one ray
       byBoth.add(EstimatorTrial::missedVariance(both, mapped));
       withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < 1;
       if (withCaustics) byPaths = byBoth;
@@ -158,7 +154,7 @@ class Auto final : public Integrator {
     if (control.stopped() || !arePathsBetter(byMap.errorOver(byPaths), withCaustics, statistics.notes))
       return;
     if (withCaustics) {
-      paths = makeCausticPaths(settings, &lights);
+      paths = makePhotonMapping(onlyCaustics(settings), &lights);
       paths->prepare(scene, classes);
       statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
     }

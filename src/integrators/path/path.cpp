@@ -27,7 +27,7 @@ void registerPath(PlugIns& plugIns) {
                                                   : std::vector<std::string>{""}},
          [isOther = std::string(name) != "path"](const Parameters& p, const NoContext&) {
            if (isOther) p.warn("", "\"" + p.plugInName() + "\" is rendered by \"path\": " + SAME_PICTURE);
-           return makePathTracing({p.integer("maxdepth"), p.integer("lightsamples")}, nullptr, nullptr,
+           return makePathTracing({p.integer("maxdepth"), p.integer("lightsamples")}, nullptr,
                                   p.boolean("guided"));
          }});
   };

@@ -27,11 +27,8 @@ struct BatchPath {
   OpticalPath optical; ///< see Subpath
   Nesting nesting;
   BsdfRay bsdfRay;
-  CausticRay caustic;
   bool isScattered; ///< has passed a non-delta vertex
   int recordedStep; ///< step by which the ray left, see PathRecorder
-  /** Whether caustic photons also find light that the ray hits: not straight or through panes only. */
-  bool sharesWithCaustics() const { return isScattered && !bsdfRay.weighted; }
 };
 
 /** Vertex at which a path scatters. */
@@ -44,7 +41,6 @@ struct Vertex {
   LobeSet allowed;
   bool sampleLight;
   LightSampleContext context; ///< context of light sampling, if sampleLight
-  float mergeDensity;         ///< merge density of caustic photons, see CausticPhotons::add()
   int recorded;               ///< index of the vertex, see PathRecorder
 };
 
@@ -69,11 +65,9 @@ template <class T> class Raw {
 
 class PathTracing final : public Integrator {
  public:
-  PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics, const LightSampler* lights,
-              bool guided)
-      : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided), caustics(caustics),
-        training({settings.maxDepth, settings.lightSamples, !caustics}),
-        lightSampler(lights ? *lights : ownLights) {}
+  PathTracing(const PlainPathSettings& settings, const LightSampler* lights, bool guided)
+      : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided),
+        training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
 
   void prepare(const Scene& scene, const PathClasses&) override {
     if (&lightSampler == &ownLights) learned = ownLights.learn(scene);
@@ -104,8 +98,8 @@ class PathTracing final : public Integrator {
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
     if (scene.hasMedia()) { // in media, steps are too dependent for batches to be of use
       for (CameraPath& p : paths)
-        tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples, activeGuide()}, p.sampler, *p.out,
-                       caustics);
+        tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples, activeGuide()}, p.sampler,
+                       *p.out);
       return;
     }
     while (!paths.empty()) {
@@ -146,7 +140,6 @@ class PathTracing final : public Integrator {
         w.spread = paths[i].ray.spread;
         w.wavelength = 0;
         w.bsdfRay.weighted = false;
-        w.caustic = {};
         w.isScattered = false;
         w.recordedStep = CAMERA_STEP;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
@@ -163,7 +156,6 @@ class PathTracing final : public Integrator {
         scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
         arrive();
         for (int i = 0; i < settings.lightSamples && !any.abandoned(); ++i) sampleLights();
-        if (settings.caustics) addCaustics();
         scatter();
       }
     }
@@ -186,7 +178,7 @@ class PathTracing final : public Integrator {
         if (hit.areaLight) {
           const Rgb radiance =
               emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
-          addEmission(w, rays[i], hit, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
+          addEmission(w, direction, hit, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
         }
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
@@ -231,21 +223,19 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < scene.environment().size(); ++i) {
         const Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
                                                  settings.lightSamples);
-        addEmission(w, ray, i, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
+        addEmission(w, ray.direction, i, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
       }
     }
 
     /** Adds the emission of `source`, a hit or the number of an environment light, at the end of a path of
      * optical `length`. */
     template <class Source>
-    void addEmission(const BatchPath& w, const Ray& ray, const Source& source, LightState light, Rgb radiance,
-                     float length) const {
+    void addEmission(const BatchPath& w, const Vec3f& direction, const Source& source, LightState light,
+                     const Rgb& radiance, float length) const {
       PathRadiance& out = *w.camera->out;
-      if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
-        radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), source, ray);
       if (out.recorder)
-        recordHit(*out.recorder, w.recordedStep, scene, settings.lightSampler, source, ray.direction,
-                  w.bsdfRay, settings.lightSamples, radiance);
+        recordHit(*out.recorder, w.recordedStep, scene, settings.lightSampler, source, direction, w.bsdfRay,
+                  settings.lightSamples, radiance);
       if (w.isScattered)
         out.add(light, w.state, w.throughput * radiance, length);
       else
@@ -319,20 +309,6 @@ class PathTracing final : public Integrator {
               lengthToLight(scene, v.path->optical, *v.scattering, v.wi, v.hit->point, light));
     }
 
-    /** Adds the caustic photons' contribution at each vertex. */
-    void addCaustics() {
-      for (size_t i = 0; i < vertexCount; ++i) {
-        Vertex& v = vertices[i];
-        BatchPath& w = *v.path;
-        v.mergeDensity = 0;
-        if (PathRecorder* recorder = w.camera->out->recorder) recorder->source.vertex = v.recorded;
-        if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
-          v.mergeDensity =
-              settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput, v.cameraD,
-                                     w.width, w.optical, w.camera->sampler, *w.camera->out);
-      }
-    }
-
     /** Samples the next direction of each path, with Russian roulette. */
     void scatter() {
       for (size_t i = 0; i < vertexCount; ++i) {
@@ -359,14 +335,9 @@ class PathTracing final : public Integrator {
         }
         w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
         w.nesting.scatters(*v.hit, v.wi, s.direction);
-        if (s.specular()) {
-          w.caustic.leaveDelta(-v.wi, s.direction, v.hit->point);
-        } else {
+        if (!s.specular()) {
           w.width = w.spread = 0; // the footprint after a non-delta event is unknown
           w.isScattered = true;
-          if (settings.caustics)
-            w.caustic.leaveNonDelta(v.mergeDensity, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
-                                    v.hit->point);
         }
         if (PathRecorder* recorder = w.camera->out->recorder)
           w.recordedStep = recorder->addStep(recordedStep(
@@ -401,7 +372,6 @@ class PathTracing final : public Integrator {
   int maxDepth;
   int lightSamples;
   bool guided;
-  const CausticPhotons* caustics;
   GuideTraining training;
   LightSampler ownLights;
   const LightSampler& lightSampler;
@@ -410,9 +380,9 @@ class PathTracing final : public Integrator {
 
 } // namespace
 
-std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics,
-                                            const LightSampler* lights, bool guided) {
-  return std::make_unique<PathTracing>(settings, caustics, lights, guided);
+std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings, const LightSampler* lights,
+                                            bool guided) {
+  return std::make_unique<PathTracing>(settings, lights, guided);
 }
 
 } // namespace recurse

@@ -3,7 +3,6 @@
  */
 #include "integrators/path/plainPath.h"
 
-#include "integrators/path/causticPhotons.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
@@ -35,10 +34,9 @@ class UniformGuide final : public DirectionGuide {
 class PlainPath {
  public:
   PlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
-            const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
-            const CausticPhotons* caustics)
+            const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out)
       : scene(scene), classes(out.pathClasses()), lights(lights), settings(settings), sampler(sampler),
-        out(out), caustics(caustics), walker(scene, classes, out.counts, settings.maxDepth),
+        out(out), walker(scene, classes, out.counts, settings.maxDepth),
         path(startCameraSubpath(scene, classes, ray, out.counts)), record(out.recorder) {
     if (scene.hasMedia()) path.hero = drawHero(sampler.next1D());
   }
@@ -50,20 +48,15 @@ class PlainPath {
       record.arrive(vertex);
       chooseDirections();
       LightSampleContext context{vertex.point().position};
-      float mergeDensity = 0;
       if (vertex.isConnectable()) {
         context = lightSampleContext(lights, vertex);
         addDirectLight(scene, lights, context, path, vertex, settings.lightSamples,
                        panesLeft(settings.maxDepth, vertex.depth), sampler, out);
-        if (caustics && !vertex.medium)
-          mergeDensity =
-              caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
-                            vertex.afterD, path.width, path.optical, sampler, out);
       }
       const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
       if (!s) return;
       record.leave(vertex, *s, path.throughput);
-      leave(*s, context, mergeDensity);
+      leave(*s, context);
     }
   }
 
@@ -79,12 +72,10 @@ class PlainPath {
   template <class Source>
   void addEmission(const Source& source, LightState light, const Rgb& emitted, float length) {
     if (isBlack(emitted)) return;
-    const bool isShared = caustics && isScattered && !last.weighted; // caustic photons find it as well
-    const float weight = isShared ? caustics->rayWeight(scene, caustic.ratio(), source, path.ray) : 1;
     if (out.recorder)
       recordHit(*out.recorder, record.step(), scene, lights, source, path.ray.direction, last,
-                settings.lightSamples, emitted * weight);
-    add(light, path.throughput * emitted * weight, length);
+                settings.lightSamples, emitted);
+    add(light, path.throughput * emitted, length);
   }
   void addHitLight(const Hit& hit) {
     const SpectralPath spectral = path.spectral();
@@ -119,15 +110,8 @@ class PlainPath {
       vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
   }
 
-  /** Sets the MIS weights of light that the ray from the vertex hits: against light samples in `context`, and
-   * against caustic photons of factor `mergeDensity`. */
-  void leave(const Scatter& s, const LightSampleContext& context, float mergeDensity) {
-    if (path.delta)
-      caustic.leaveDelta(-vertex.wi, s.direction, vertex.point());
-    else
-      caustic.leaveNonDelta(mergeDensity,
-                            mergeDensity > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s.direction) : 1,
-                            s.direction, vertex.point());
+  /** Sets the MIS weights of light that the ray from the vertex hits, against light samples in `context`. */
+  void leave(const Scatter& s, const LightSampleContext& context) {
     isScattered = isScattered || !path.delta;
     if (vertex.medium || !passesPane(scene, *vertex.scattering, s))
       last = {context, static_cast<float>(path.pdf), !path.delta};
@@ -139,23 +123,20 @@ class PlainPath {
   const PlainPathSettings& settings;
   Sampler& sampler;
   PathRadiance& out;
-  const CausticPhotons* caustics; ///< null: rays find caustics by chance
   CameraWalker walker;
   CameraSubpath path;
   CameraVertex vertex;
   std::optional<UniformGuide> uniform; ///< guide at the vertex, if BSDFs are not sampled
   BsdfRay last;                        ///< ray that left the last vertex, panes aside
-  CausticRay caustic;
-  bool isScattered = false; ///< has passed a non-delta vertex
+  bool isScattered = false;            ///< has passed a non-delta vertex
   RecordedCameraPath record;
 };
 
 } // namespace
 
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
-                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
-                    const CausticPhotons* caustics) {
-  PlainPath(scene, ray, lights, settings, sampler, out, caustics).trace();
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out) {
+  PlainPath(scene, ray, lights, settings, sampler, out).trace();
 }
 
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {

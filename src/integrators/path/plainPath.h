@@ -8,7 +8,6 @@
 
 namespace recurse {
 
-class CausticPhotons;
 class GuideField;
 
 struct PlainPathSettings {
@@ -18,11 +17,9 @@ struct PlainPathSettings {
   bool sampleBsdf = true;            ///< false: uniform directions at opaque surfaces that are not mirrors
 };
 
-/** Adds the radiance along a camera ray to `out`. Lights are sampled by `lights`; for `caustics` see
- * makePathTracing(). */
+/** Adds the radiance along a camera ray to `out`. Lights are sampled by `lights`. */
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
-                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
-                    const CausticPhotons* caustics = nullptr);
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out);
 
 /** Estimators of the plain path tracer, for Integrator::domains(). */
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples);

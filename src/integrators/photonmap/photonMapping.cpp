@@ -153,6 +153,13 @@ PhotonMappingSettings photonMappingSettings(const Parameters& p) {
   return s;
 }
 
+PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings) {
+  settings.causticsOnly = true;
+  settings.directLight = false;
+  settings.finalGather = -1;
+  return settings;
+}
+
 void registerPhotonMapping(PlugIns& plugIns) {
   std::vector<ParameterSpec> all = photonMappingParameters();
   all.push_back(booleanParameter("causticsonly", "false",
@@ -172,7 +179,7 @@ void registerPhotonMapping(PlugIns& plugIns) {
          if (!p.boolean("causticsonly")) return makePhotonMapping(s);
          if (s.directLight)
            p.warn("direct", "with \"causticsonly\", shadow rays always estimate direct light");
-         return makeCausticPaths(s);
+         return makePhotonMapping(onlyCaustics(s));
        }});
   plugIns.integrators.add(
       {{.name = "sppm",

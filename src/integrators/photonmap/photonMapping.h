@@ -22,6 +22,9 @@ struct PhotonMappingSettings : PhotonPassSettings {
 /** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;
  * integrators with photon maps do not support such scenes. */
 bool hasMediaWithoutEnd(const Scene& scene);
+/** Whether no medium emits or scatters light. Camera paths find other light of media by photons, which carry
+ * more than caustics. */
+bool mediaOnlyAbsorb(const Scene& scene);
 
 /** Integrator with photon maps, which also gives access to its photons, to judge their benefit. */
 class PhotonMapper : public Integrator {
@@ -35,7 +38,9 @@ class PhotonMapper : public Integrator {
     return photons.photonCount(scene, settings.passes.schedule() != PassSchedule::ONE_MAP);
   }
   bool passHasOneTime() const override { return true; }
-  bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
+  bool supportsMedia(const Scene& scene) const override {
+    return settings.causticsOnly ? mediaOnlyAbsorb(scene) : !hasMediaWithoutEnd(scene);
+  }
   bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
   void prepare(const Scene& scene, const PathClasses&) override {
     learned = {};
@@ -55,11 +60,11 @@ class PhotonMapper : public Integrator {
                              const ForwardControl& control, const std::function<void()>& use) {
     return photons.with(other, scene, classes, control, lights, use);
   }
-  /** Calls `use` with the caustic photons of the latest pass of `lender`, from which this has learned. */
-  void withCausticsOf(PhotonMapper& lender, const std::function<void()>& use) {
-    photons.exchangeCaustics(lender.photons);
+  /** Calls `use` while camera paths read the photons of caustics only, as with `causticsOnly`. */
+  template <class Use> void readingCausticsOnly(const Use& use) {
+    const bool before = std::exchange(settings.causticsOnly, true);
     use();
-    photons.exchangeCaustics(lender.photons);
+    settings.causticsOnly = before;
   }
 
  protected:
@@ -71,15 +76,12 @@ class PhotonMapper : public Integrator {
 };
 
 /** Photon mapping: emitted light, plus the photon maps' estimate at non-delta surfaces, plus mirror and
- * refracted light, recursively. `lights` has learned the scene and must outlive the integrator; null: the
- * integrator learns its own light sampler. */
+ * refracted light, recursively. With `causticsOnly` rays find all indirect light but caustics. `lights` has
+ * learned the scene and must outlive the integrator; null: the integrator learns its own light sampler. */
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,
                                                 const LightSampler* lights = nullptr);
-/** Path tracing with photons of caustics alone; paths find all other light. `teacher`: see
- * PhotonPass::learnFrom(); null: the first pass learns. */
-std::unique_ptr<PhotonMapper> makeCausticPaths(const PhotonMappingSettings& settings,
-                                               const LightSampler* lights = nullptr,
-                                               const PhotonPass* teacher = nullptr);
+/** The same settings with photons of caustics only. */
+PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings);
 
 /** Parameters of photonmap that other plug-ins share. */
 std::vector<ParameterSpec> photonMappingParameters();

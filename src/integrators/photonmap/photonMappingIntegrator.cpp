@@ -51,6 +51,15 @@ bool hasMediaWithoutEnd(const Scene& scene) {
   return outside && outside->isEmissive() && !(glm::length(outside->bounds().diagonal()) < INFINITE);
 }
 
+bool mediaOnlyAbsorb(const Scene& scene) {
+  for (size_t i = 1; i <= scene.mediumCount(); ++i) {
+    const Medium& medium = *scene.medium(static_cast<uint16_t>(i));
+    if (!medium.isHomogeneous() || medium.isEmissive() || !isBlack(medium.at(Vec3f(0)).scattering))
+      return false;
+  }
+  return true;
+}
+
 void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
   CameraWalker walker(scene, out.pathClasses(), out.counts, -1, InMedia::PASS);
   CameraVertex vertex;
@@ -160,6 +169,10 @@ void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const
   at.causticMergeDensity = addPhotons(scene, photons.caustics(), causticIrradiances,
                                       query(photons.caustics()), vertex, path, sampler, out)
                                .mergeDensity;
+  if (settings.causticsOnly) {
+    at.indirect.unknownWeight = 0;
+    return;
+  }
   PhotonQuery indirect = query(photons.indirect());
   weighIndirect(path, indirect);
   const GatherSettings& gather = indirect.settings;

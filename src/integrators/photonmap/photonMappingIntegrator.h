@@ -29,12 +29,17 @@ class PhotonMapping final : public PhotonMapper {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
   std::vector<EstimatorDomain> domains() const override;
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
-  std::string photonPaths() const override { return settings.directLight ? "all" : "all - LDE"; }
+  std::string photonPaths() const override {
+    return settings.causticsOnly ? "LS+DE" : settings.directLight ? "all" : "all - LDE";
+  }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
 
  private:
   /** Whether each path chooses where to read the map of indirect light. */
   bool mayGoOn() const { return settings.finalGather < 0 && photons.isProgressive(); }
+
+  /** Adds the estimators in media to domains(). */
+  void addMedia(std::vector<EstimatorDomain>& all) const;
 
   // ----------------------------------------------------------------------------------------------- the path
   /** Follows a path to its end: adds emitted light, and at each surface the light of its lobes. */

@@ -125,18 +125,6 @@ void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons sho
       causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + mediaPhotons.memoryBytes();
 }
 
-void PhotonPass::learnFrom(const PhotonPass& other) {
-  causticLayer.choice = other.causticLayer.choice;
-  causticLayer.radii = other.causticLayer.radii;
-  guidance = other.guidance;
-  emitted = other.emitted;
-  region = other.region;
-  outside = other.outside;
-  outsideTransmittance = other.outsideTransmittance;
-  progressive = other.progressive;
-  causticsKnown = other.causticsKnown;
-}
-
 ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const PathClasses& classes,
                                    const ForwardControl& control, const LightSampler& shadowRays,
                                    const std::function<void()>& use) {

@@ -76,13 +76,6 @@ class PhotonPass {
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
 
-  /** Takes over the starts of photons and the radii of caustics that `other` has learned, so that passes
-   * after the first may run without the first. */
-  void learnFrom(const PhotonPass& other);
-
-  /** Exchanges the maps of caustics, not what has been learned. */
-  void exchangeCaustics(PhotonPass& other) { std::swap(causticLayer.map, other.causticLayer.map); }
-
   /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */
   ForwardStatistics with(const Pass& other, const Scene& scene, const PathClasses& classes,
                          const ForwardControl& control, const LightSampler& shadowRays,

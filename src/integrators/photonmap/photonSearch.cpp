@@ -106,9 +106,6 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
 }
 
 void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
-  // All pixels of a kernel support share the error of the map, so it averages out less than independent
-  // errors of pixels: a strong one is visible as a stain, and counts as a larger variance.
-  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass; after about 50, 5 % of error
   /** Squared relative error of a covered fraction that eight rays estimate, which no pass reduces; scaled to
    * the variance of one of 32 passes. */
   constexpr double UNSURE_FRACTION = 0.01 * 32;
@@ -123,11 +120,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   // fireflies of rays that meet surfaces close to a lamp.
   gather.mergeDensity = static_cast<float>(emitted);
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
-  const double pixels =
-      std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
-  const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
   GatherErrors& errors = gather.errors;
-  errors.variance = stain * variance;
+  errors.variance = variance / independence(double(gather.radius / std::max(footprint, FLT_MIN)));
   errors.bias2 = double(record.bias2);
   if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
   gather.mergeDensity = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));

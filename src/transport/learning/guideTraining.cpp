@@ -118,7 +118,7 @@ std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const
   shoot.maxDepth = settings.maxDepth;
   shoot.direct = false;
   shoot.emission.mixture = &emission;
-  return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
+  return photonRecords(scene, pass, shoot, control, counts);
 }
 
 void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,

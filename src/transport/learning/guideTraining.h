@@ -15,7 +15,6 @@ namespace recurse {
 struct GuideTrainingSettings {
   int maxDepth = -1;    ///< maximum scattering events of a path; -1: no limit
   int lightSamples = 1; ///< shadow rays at each vertex
-  bool caustics = true; ///< caustics are left to rays: no photon map estimates them
 };
 
 /**

@@ -10,8 +10,7 @@
 namespace recurse {
 
 std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, const ShootSettings& shoot,
-                                       bool caustics, const ForwardControl& control,
-                                       TransportCounts& counts) {
+                                       const ForwardControl& control, TransportCounts& counts) {
   const PathClasses allPaths;
   ForwardControl local;
   local.stop = control.stop;
@@ -20,7 +19,7 @@ std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, con
   std::vector<GuideRecord> records;
   for (const Photon& p : shot.stored) {
     // reverseRatio 0: no ray can hit this light; skip its caustic photons.
-    if (p.caustic && !(caustics && p.reverseRatio > 0)) continue;
+    if (p.caustic && !(p.reverseRatio > 0)) continue;
     GuideRecord r;
     r.position = p.position;
     r.normal = unpackDirection(p.normal);

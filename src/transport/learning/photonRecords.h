@@ -12,11 +12,11 @@ namespace recurse {
 
 /**
  * Records of the photons of `pass` that rays of camera paths find better than shadow rays: all indirect
- * light, and caustics where `caustics` is true and a ray can hit their light. The flux that arrives in a cell
+ * light, and caustics where a ray can hit their light. The flux that arrives in a cell
  * from a bin of directions is the integral of L cos over both, so that fluxes are the masses of a density
  * proportional to L cos. `shoot` says how many photons start, and where.
  */
 std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, const ShootSettings& shoot,
-                                       bool caustics, const ForwardControl& control, TransportCounts& counts);
+                                       const ForwardControl& control, TransportCounts& counts);
 
 } // namespace recurse

@@ -92,6 +92,15 @@ class MergeRatio {
   float ratio = 0;
 };
 
+/** Factor by which the mean over a block of 8x8 pixels reduces the variance of density estimates, over that
+ * of independent estimates. The estimates of a block share their photons: the block has those of the union of
+ * its supports, and each pixel those of one support. `radius`: of a support [pixel widths]. */
+inline double independence(double radius) {
+  constexpr double WIDTH = 8; // stains of this size are visible
+  const double support = M_PI * square(radius), all = square(WIDTH) + 4 * WIDTH * radius + support;
+  return std::min(1.0, all / (square(WIDTH) * support));
+}
+
 /** Merge density of a kernel's support, from the factor of unit area. Clamped to be finite for any radius;
  * photons have all the weight long before. */
 inline float mergeDensityWithin(float perArea, float radius2) {
