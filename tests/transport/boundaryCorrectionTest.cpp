@@ -446,13 +446,13 @@ class NarrowGap {
     EXPECT_TRUE(scene->intersect({{.1f, .1f, .005f}, {0, 0, -1}}, hit));
     settings.radius = .2f;
   }
-  GatherResult estimate(const PhotonMap& map, float& radiance) const {
+  GatherResult estimate(const PhotonMap& map, float& radiance, uint32_t seed = 5) const {
     BsdfArena arena;
     const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
     const PathClasses classes;
     TransportCounts counts;
     PathRadiance out(classes, counts);
-    BoundaryCorrection boundary{*scene, Sampler(5, 0, 0)};
+    BoundaryCorrection boundary{*scene, Sampler(seed, 0, 0)};
     const GatherResult result = gather(map, settings, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
                                        classes.step(classes.cameraStart(), PathEvent::D), out, &boundary);
     radiance = luminance(out.scattered());
@@ -473,9 +473,39 @@ TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
   gap.settings.weighedAgainstRays = true;
   gap.settings.mergeDensity = 3;
   float radiance = 0;
+  gap.settings.leavesLightToRays = true;
   const GatherResult result = gap.estimate(map, radiance);
   EXPECT_LT(result.radius, .05f);
   EXPECT_NEAR(result.mergeDensity, 3 * PI * square(result.radius), 1e-6f);
+  // Where estimates are left out at random, weights do not depend on the outcome.
+  gap.settings.leavesLightToRays = false;
+  EXPECT_NEAR(gap.estimate(map, radiance).mergeDensity, 3 * PI * square(.2f), 1e-5f);
+}
+
+TEST(BoundaryCorrection, FaintEstimatesAreMadeAtRandomWithTheSameMean) {
+  NarrowGap gap;
+  PhotonMap map;
+  map.build(onFloor(1, 20000));
+  float whole = 0;
+  gap.estimate(map, whole);
+  const auto made = [&](float expected) {
+    gap.settings.expected = expected;
+    const uint32_t count = 2000;
+    double sum = 0, squares = 0;
+    uint32_t some = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+      float radiance = 0;
+      gap.estimate(map, radiance, i);
+      sum += double(radiance / whole) / count;
+      squares += square(double(radiance / whole)) / count;
+      some += radiance > 0;
+    }
+    EXPECT_NEAR(sum, 1, 4 * std::sqrt((squares - square(sum)) / count) + 1e-3);
+    return some / double(count);
+  };
+  const float irradiance = 3 * float(IRRADIANCE);
+  EXPECT_EQ(made(irradiance), 1);
+  EXPECT_NEAR(made(40 * irradiance), .25, .05);
 }
 
 TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {

@@ -166,14 +166,16 @@ void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const
   const auto query = [&](const PhotonLayer& layer) {
     return photons.query(layer, vertex.point(), vertex.wi, vertex.scattering->lobes());
   };
-  at.causticMergeDensity = addPhotons(scene, photons.caustics(), causticIrradiances,
-                                      query(photons.caustics()), vertex, path, sampler, out)
-                               .mergeDensity;
+  PhotonQuery caustics = query(photons.caustics()), indirect;
+  if (!settings.causticsOnly) indirect = query(photons.indirect());
+  caustics.settings.expected = caustics.expected + indirect.expected;
+  at.causticMergeDensity =
+      addPhotons(scene, photons.caustics(), causticIrradiances, caustics, vertex, path, sampler, out)
+          .mergeDensity;
   if (settings.causticsOnly) {
     at.indirect.unknownWeight = 0;
     return;
   }
-  PhotonQuery indirect = query(photons.indirect());
   weighIndirect(path, indirect);
   const GatherSettings& gather = indirect.settings;
   at.weighsIndirect = gather.weighedAgainstRays;

@@ -64,6 +64,8 @@ struct PhotonQuery {
   GatherSettings settings;
   CachedRadius cached;
   float cost = 0; ///< estimated processor time of the search [camera paths]
+  float expected =
+      0; ///< irradiance by the layer and direct light at a record near by, sum of channels [W/m²]
 };
 
 class PhotonPass {

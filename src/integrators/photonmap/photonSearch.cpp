@@ -102,6 +102,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   } else {
     here.settings.weighting = settings.weighting;
   }
+  if (layer.cache().size() > 0) here.expected = layer.cache().record(here.cached.index).benefit.irradiance;
   return here;
 }
 

@@ -241,11 +241,15 @@ class Estimate {
   std::array<Vec3f8, MAX_LISTED> lanes; ///< sums of the listed states, in eight lanes
 };
 
+/** Share of the expected irradiance from which on estimates are always made. */
+constexpr float FAINT = 0.1f;
+
 /** Kernel support: the region of the photons and the area to divide by. */
 struct Support {
   GatherRegion region;
   float radius2 = 0;
-  bool empty = false;     ///< no photons; the surface fraction is unknown
+  bool empty = false;     ///< no photons, or not estimated; the surface fraction is unknown
+  float scale = 1;        ///< 1 / probability of the estimate
   float fraction = 1;     ///< fraction of the kernel's weight that is on the surface
   bool byNearest = false; ///< photons are in the scratch memory
 };
@@ -284,10 +288,16 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   }
   if (!boundary) return support;
   // The weight of rays depends on the support even if it contains no photons.
-  if (!settings.leavesLightToRays && !support.byNearest && support.region.radius > flat &&
-      !anyWithin(map, support.region)) {
-    support.empty = true;
-    return support;
+  if (!settings.leavesLightToRays && !support.byNearest && support.region.radius > flat) {
+    // Probe rays take longer than the search, and are left out at random where few photons were found. The
+    // variance that this adds is at most FAINT times the square of the expected irradiance.
+    const float found = powerWithin(map, support.region) * INV_PI / support.radius2;
+    const float probability = found / std::max(FAINT * settings.expected, FLT_MIN);
+    if (probability < 1) {
+      support.empty = boundary->sampler.next1D() >= probability;
+      if (support.empty) return support;
+      support.scale = 1 / probability;
+    }
   }
   const auto fit = [&] {
     const uint64_t before = counts.rays;
@@ -355,14 +365,16 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
-  result.mergeDensity = mergeDensityWithin(settings.mergeDensity, support.radius2);
+  if (settings.leavesLightToRays)
+    result.mergeDensity = mergeDensityWithin(settings.mergeDensity, support.radius2);
   result.unknownWeight = settings.unknownWeightWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
   thread_local std::vector<Candidate> candidates;
   Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState, candidates);
-  const Rgb scale = throughput * ((settings.weighedAgainstRays ? 1 : result.unknownWeight) * INV_PI /
-                                  (support.radius2 * support.fraction));
+  const Rgb scale = throughput * support.scale *
+                    ((settings.weighedAgainstRays ? 1 : result.unknownWeight) * INV_PI /
+                     (support.radius2 * support.fraction));
   if (estimate.oneSum() && !map.hasLengths()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
@@ -415,7 +427,7 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);
   return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) *
-         (INV_PI / (support.radius2 * support.fraction));
+         (support.scale * INV_PI / (support.radius2 * support.fraction));
 }
 
 } // namespace recurse
