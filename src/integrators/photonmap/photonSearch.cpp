@@ -107,9 +107,6 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
 }
 
 void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
-  /** Squared relative error of a covered fraction that eight rays estimate, which no pass reduces; scaled to
-   * the variance of one of 32 passes. */
-  constexpr double UNSURE_FRACTION = 0.01 * 32;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = settings.without != Mechanism::MERGE_WEIGHTS;
   gather.mergeDensity = gather.unknownWeight = 0;
@@ -124,7 +121,6 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   GatherErrors& errors = gather.errors;
   errors.variance = variance / independence(double(gather.radius / std::max(footprint, FLT_MIN)));
   errors.bias2 = double(record.bias2);
-  if (!query.cached.known || record.radius > record.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
   gather.mergeDensity = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
   errors.byRays = double(record.benefit.raysVariance);
   gather.unknownWeight = errors.photonWeight(1);
