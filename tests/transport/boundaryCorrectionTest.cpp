@@ -518,7 +518,7 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
   elsewhere.build(behind);
   float whole = 0, part = 0, none = 0;
   EXPECT_EQ(gap.estimate(map, whole).unknownWeight, 1);
-  settings.errors = {1, .01, .1};
+  settings.errors = {1, .01};
   ASSERT_EQ(settings.errors.photonWeight(1), 1);
   for (const bool weighed : {false, true}) {
     settings.leavesLightToRays = true;

@@ -162,8 +162,10 @@ PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings) {
 
 void registerPhotonMapping(PlugIns& plugIns) {
   std::vector<ParameterSpec> all = photonMappingParameters();
-  all.push_back(booleanParameter("causticsonly", "false",
-                                 "use photons for caustics only; path tracing samples all other light"));
+  all.push_back(booleanParameter(
+      "causticsonly", "false",
+      "use photons for caustics only; rays find all other light. In media that scatter or emit "
+      "light, `path` takes its place"));
   plugIns.integrators.add(
       {{.name = "photonmap",
         .summary = "Photon mapping: emitted light and the photon map at diffuse surfaces; mirrors and glass "

@@ -164,7 +164,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, 
 void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const CameraVertex& vertex,
                                 const Sampler& sampler, VertexEstimates& at, PathRadiance& out) const {
   const auto query = [&](const PhotonLayer& layer) {
-    return photons.query(layer, vertex.point(), vertex.wi, vertex.scattering->lobes());
+    return photons.query(layer, vertex.point(), vertex.wi);
   };
   PhotonQuery caustics = query(photons.caustics()), indirect;
   if (!settings.causticsOnly) indirect = query(photons.indirect());

@@ -20,7 +20,7 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
   } else {
     // A surface closer than the blur of the map would see it, and needs rays instead.
     const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
-    gather.unknownWeight = path.distance < blur || !photons.prefersPhotons(query) ? 0 : 1;
+    gather.unknownWeight = path.distance < blur ? 0 : 1;
   }
 }
 

@@ -118,16 +118,10 @@ class PhotonPass {
 
   /** Parameters of the search at a point. A single pass searches the nearest photons, or within a given
    * radius. One of many passes shrinks the radius that the first pass has learned there. */
-  PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
-                    LobeSet lobes) const;
+  PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const;
   /** Weights photons of the indirect layer against the rays that the surface scatters, by the estimated
    * errors of both; `footprint`: width of a pixel [scene units]. */
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
-  /** True if reading the indirect layer costs less than continuing the path per unit of variance saved. */
-  bool prefersPhotons(const PhotonQuery& query) const {
-    return !query.cached.known ||
-           query.cost < indirectLayer.cache().record(query.cached.index).benefit.maxCost;
-  }
   /** Settings of a search whose radius in the first pass was `firstRadius` [scene units]. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
 
@@ -172,7 +166,7 @@ class PhotonPass {
   VisibleRegion region;        ///< learned before the first pass, used in all
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays()
-  bool progressive = false, tooFew = false, causticsKnown = false;
+  bool progressive = false, tooFew = false;
   bool skipsEmission = false; ///< no photon can contribute: no visible surface gathers, none is stored
   float radiusOverFirst = 1;
 };

@@ -23,7 +23,6 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   const double resolution = std::sqrt(double(scene.film().whole().area())) / 4;
   const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(resolution, 4.0, 128.0)), 2,
                                     settings.weighting, statistics.counts);
-  constexpr size_t MIN_CAUSTIC = 16; // minimum number of caustic photons; fewer are strong spots
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
@@ -47,7 +46,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     // With photons of direct light the layer also contains shadows.
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
-                                 detail, isCaustic ? discarded : statistics);
+                                 isCaustic ? discarded : statistics);
     if (!progressive && !settings.edges) continue;
     auto radii = std::make_shared<RadiusCache>();
     radii->build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0, detail,
@@ -55,7 +54,6 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
                  settings.without != Mechanism::JUDGED_RADII);
     layer->radii = std::move(radii);
   }
-  causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
 }
 
@@ -67,42 +65,26 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
       return near.known ? &layer.cache().record(near.index) : nullptr;
     };
     const RadiusCache::Record *caustic = at(causticLayer), *other = at(indirectLayer);
-    if (!caustic || !(caustic->benefit.raysVariance > 0)) continue;
-    const double all = double(caustic->benefit.irradiance) + (other ? double(other->irradiance) : 0);
-    sum += double(caustic->benefit.raysVariance) / square(all);
+    if (!caustic || !(caustic->raysVariance > 0)) continue;
+    const double all = double(caustic->lit) + (other ? double(other->irradiance) : 0);
+    sum += double(caustic->raysVariance) / square(all);
   }
   return seen.empty() ? 0 : sum / double(seen.size());
 }
 
-namespace {
-
-/** Processor time of a search, relative to a camera path with a few surfaces. */
-float searchCost(const PhotonQuery& query, LobeSet lobes) {
-  constexpr float PHOTONS = 0.1f;    ///< summation of photons, eight at a time
-  constexpr float SCATTERING = 0.2f; ///< evaluation of a BSDF that is not Lambertian for some of them
-  constexpr float AROUND = 0.8f;     ///< rays that search for the edges of the surface
-  const CachedRadius& cached = query.cached;
-  const bool isFlat = cached.known && query.settings.radius <= cached.known->flat - cached.away;
-  return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
-}
-
-} // namespace
-
-PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
-                              LobeSet lobes) const {
+PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const {
   PhotonQuery here{layer.choice.settings, {}};
   if (progressive || settings.edges) here.cached = layer.cache().at(point.position, point.normalTowards(wi));
   if (progressive) here.settings = searchWithin(layer, here.cached.radius);
-  here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
-    here.settings.mergeDensity = causticsKnown ? static_cast<float>(emitted) : 0;
+    here.settings.mergeDensity = static_cast<float>(emitted);
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.mergeDensity = ALL_TO_PHOTONS;
   } else {
     here.settings.weighting = settings.weighting;
   }
-  if (layer.cache().size() > 0) here.expected = layer.cache().record(here.cached.index).benefit.irradiance;
+  if (layer.cache().size() > 0) here.expected = layer.cache().record(here.cached.index).lit;
   return here;
 }
 
@@ -113,17 +95,12 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   if (tooFew || indirectLayer.cache().size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
-  const auto variance = double(record.variance), squared = square(double(record.irradiance));
-  // Without photons in the first pass their error is unknown. Weights by densities alone then avoid the
-  // fireflies of rays that meet surfaces close to a lamp.
-  gather.mergeDensity = static_cast<float>(emitted);
-  if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
-  GatherErrors& errors = gather.errors;
-  errors.variance = variance / independence(double(gather.radius / std::max(footprint, FLT_MIN)));
-  errors.bias2 = double(record.bias2);
-  gather.mergeDensity = static_cast<float>(double(emitted) * variance / (errors.variance + errors.bias2));
-  errors.byRays = double(record.benefit.raysVariance);
-  gather.unknownWeight = errors.photonWeight(1);
+  const double independent = independence(double(gather.radius / std::max(footprint, FLT_MIN)));
+  gather.mergeDensity = static_cast<float>(double(emitted) * independent);
+  const auto variance = double(record.variance);
+  if (!std::isfinite(variance) || !(variance > 0)) return; // no photons there in the first pass
+  gather.errors = {double(record.raysVariance), variance / independent};
+  gather.unknownWeight = gather.errors.photonWeight(1);
 }
 
 float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,

@@ -47,11 +47,6 @@ struct Neighbourhood {
     return std::all_of(planes.begin(), planes.begin() + planeCount,
                        [&](const BoundaryPlane& b) { return glm::dot(position, b.normal) > b.offset; });
   }
-  /** Whether the surface has no boundary within this distance, and nothing casts a shadow from within
-   * heightKnown() above the point. */
-  bool isWholeWithin(float distance) const {
-    return distance <= flat && planeCount == 0 && clearance == INFINITE;
-  }
   /** Adds a plane; ignored if the array is full. */
   void add(const BoundaryPlane& plane) {
     if (planeCount < MAX_PLANES) planes[planeCount++] = plane;

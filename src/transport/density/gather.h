@@ -16,16 +16,16 @@
 
 namespace recurse {
 
-/** Squared errors of irradiance in the first pass [W²/m⁴]: of a ray, and variance and bias of photons. They
- * determine the weight of photons whose ratio to rays is unknown. */
+/** Variances of irradiance in the first pass [W²/m⁴]: by a ray, and by photons. They determine the weight of
+ * photons whose ratio to rays is unknown. */
 struct GatherErrors {
-  double byRays = 0, variance = 0, bias2 = 0;
+  double byRays = 0, variance = 0;
   /** Weight of photons in a support with this fraction of the area within GatherSettings::radius. */
   float photonWeight(double areaFraction) const {
     // Bounds of the rays' fraction of the error; beyond them the second estimate costs more than it gains.
     constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;
     const double rays = areaFraction * byRays;
-    const double share = rays > 0 ? rays / (rays + variance + areaFraction * bias2) : 0;
+    const double share = rays > 0 ? rays / (rays + variance) : 0;
     return static_cast<float>(std::clamp((share - ONLY_RAYS) / (ONLY_PHOTONS - ONLY_RAYS), 0.0, 1.0));
   }
 };

@@ -19,7 +19,7 @@ struct Nearest {
   int least, most;
   double width;
 };
-constexpr Nearest ONE_MAP{50, 100, 16}, PROGRESSIVE{8, 40, 8}, PROGRESSIVE_FINE{8, 40, 4};
+constexpr Nearest ONE_MAP{50, 100, 16}, PROGRESSIVE{8, 40, 8};
 
 double quantile(std::vector<double>& values, double p) {
   const auto i = static_cast<std::ptrdiff_t>(p * double(values.size() - 1));
@@ -90,10 +90,10 @@ void warnOfArtifacts(double photons, double radius, double sceneRadius, std::vec
 
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,
                           const GatherSettings& requested, bool progressive, bool allLight,
-                          LightDetail detail, ForwardStatistics& statistics) {
+                          ForwardStatistics& statistics) {
   GatherChoice choice{requested};
   GatherSettings& search = choice.settings;
-  const Nearest range = !progressive ? ONE_MAP : detail == LightDetail::FINE ? PROGRESSIVE_FINE : PROGRESSIVE;
+  const Nearest range = progressive ? PROGRESSIVE : ONE_MAP;
   const bool anyRadius = requested.radius == 0;
   if (anyRadius) search.radius = 2 * scene.bounds().radius;
   if (requested.nearest == 0 && anyRadius) search.nearest = range.least;

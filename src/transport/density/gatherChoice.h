@@ -23,6 +23,6 @@ struct GatherChoice {
  */
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,
                           const GatherSettings& requested, bool progressive, bool allLight,
-                          LightDetail detail, ForwardStatistics& statistics);
+                          ForwardStatistics& statistics);
 
 } // namespace recurse

@@ -136,7 +136,7 @@ class RecordFitter {
         takeSurroundings(record, fitted, ofArea(area), scratch);
         scaleRadius(record, i, ofArea(area), taskCounts);
       }
-      setErrors(record, evidence, area, alpha);
+      setErrors(record, evidence, area);
     };
     forAll(measured.indices.size(), [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
       setArea(measured.indices[m], {}, scratch, taskCounts);
@@ -258,16 +258,16 @@ class RecordFitter {
    * variance; for alpha = 2/3 both errors have the same order. */
   static double biasWeightOf(double alpha) { return (2 - alpha) / square(alpha); }
 
-  void setErrors(Record& record, const Evidence& evidence, size_t area, double alpha) const {
+  void setErrors(Record& record, const Evidence& evidence, size_t area) const {
     const int count = evidence.recordCount;
     if (count == 0) return;
     const SupportErrors& errors = evidence.absolute;
-    record.irradiance = static_cast<float>(errors.irradiance / count);
+    const double irradiance = errors.irradiance / count;
+    record.irradiance = static_cast<float>(irradiance);
     record.variance = static_cast<float>(errors.variance[area] / count);
-    double bias2 = 0;
-    for (size_t j = 0; j < area; ++j) bias2 += errors.sureBias2(j);
-    record.bias2 = static_cast<float>(biasWeightOf(alpha) * bias2 / count);
-    if (rays.lights) record.benefit = benefitOf(errors, area, double(record.bias2), count);
+    if (!rays.lights) return;
+    record.raysVariance = static_cast<float>(std::max(0.0, errors.rays2[area] / count - square(irradiance)));
+    record.lit = static_cast<float>(irradiance + errors.direct / count);
   }
 
   /** Copies the geometry around a fitted record on the same surface, if a record with `scale` times the
@@ -312,16 +312,6 @@ class RecordFitter {
     Sampler sampler(1, 0, static_cast<uint32_t>(key));
     for (int i = 0; i < SAMPLES; ++i)
       e.direct += directIrradiance(scene, *rays.lights, record, sampler, taskCounts) / SAMPLES;
-  }
-
-  /** Gain of a gather over rays, from sums over `evidence` records. */
-  static GatherBenefit benefitOf(const SupportErrors& sum, size_t best, double bias2, int evidence) {
-    const double n = evidence, irradiance2 = square(sum.irradiance / n);
-    const double all2 = square((sum.irradiance + sum.direct) / n);
-    const double byRays = std::max(0.0, sum.rays2[best] / n - irradiance2);
-    const double byPhotons = sum.variance[best] / n + bias2;
-    return {static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays),
-            static_cast<float>(std::sqrt(all2))};
   }
 
   float kthDistance(GatherRegion region, PhotonScratch& scratch) const {

@@ -34,8 +34,8 @@ class RadiusCache {
    * a record is the distance to the k-th photon, k = search.nearest, at most search.radius, or search.radius
    * if k = 0; coveredFraction() may reduce it. With k > 0 and alpha > 0, see radiusScale(), the errors of
    * this support are estimated, and if `choosesAreas` a support of a different area replaces it where the
-   * expected error over many passes is less. With rays.lights, Record::benefit is estimated too. Geometric
-   * normals of `seen` must point to the viewer. The map is not used afterwards. */
+   * expected error over many passes is less. With rays.lights, the variance of rays and direct light are
+   * estimated too. Geometric normals of `seen` must point to the viewer. The map is not used afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts, bool choosesAreas = true);
@@ -53,10 +53,10 @@ class RadiusCache {
     float spacing = 0;   ///< distance to the third nearest neighbouring record
     float footprint = 0; ///< pixel width there [scene units]; 0: not known to be visible
     /** Irradiance in the first pass, summed over channels, as means over records near by: value [W/m²],
-     * variance, and squared bias times its weight against variance over many passes [W²/m⁴]. The variance is
-     * infinite if the errors are unknown. */
-    float irradiance = 0, variance = INFINITE, bias2 = 0;
-    GatherBenefit benefit;
+     * and variance [W²/m⁴], which is infinite if the errors are unknown. */
+    float irradiance = 0, variance = INFINITE;
+    float raysVariance = 0; ///< variance of the same estimate by a ray [W²/m⁴]; 0: unknown
+    float lit = 0;          ///< irradiance by photons and direct light [W/m²]; 0: unknown
     Neighbourhood around;
 
     /** Whether a point with this geometric normal is on the surface of the record: on a different side, on

@@ -70,14 +70,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     }
     offset = (offset - normal * glm::dot(offset, normal)) * records[best.index].spacing;
     const size_t slot = nearestOf(best.index, position + offset);
-    if (slot != best.index && isSameSurface(records[slot])) {
-      // The nearest record has the best knowledge of a surface that is whole within this distance.
-      const CachedRadius other = resultOf(slot, true);
-      if (best.known->isWholeWithin(other.radius + best.away))
-        best = {other.radius, best.known, best.away, slot};
-      else
-        best = other;
-    }
+    if (slot != best.index && isSameSurface(records[slot])) best = resultOf(slot, true);
   }
   // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
   best.radius = std::min(limit, std::max(best.radius, best.away));

@@ -1,21 +1,11 @@
 /** @file
- * Camera rays as the alternative to photons at a point: their cost and their error.
+ * Camera rays as the alternative to photons at a point.
  */
 #pragma once
 
 #include "transport/direct/lightSampler.h"
 
 namespace recurse {
-
-/** Gain of a density estimate over rays. */
-struct GatherBenefit {
-  /** Maximum cost [camera paths] at which a photon estimate is more efficient than a ray that continues,
-   * given the variance that it saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple
-   * Importance Sampling for Bidirectional Rendering Algorithms"). Infinite if unknown. */
-  float maxCost = INFINITE;
-  float raysVariance = 0; ///< variance of the estimate by one such ray [W²/m⁴]
-  float irradiance = 0;   ///< irradiance by the layer's photons and direct light [W/m²]
-};
 
 /** Model of camera rays that replace photons. */
 struct RayAlternative {
