@@ -607,6 +607,20 @@ TEST(GlowPhotons, AMediumWithoutEndIsForPaths) {
       *sceneFrom(glowing + view(2, "0 0 -3  0 0 1  0 1 0", 40) + "MediumInterface \"m\" \"\"\n" + ball)));
 }
 
+TEST(GlowPhotons, CausticsAloneLeaveMediaThatGlowOrScatterToPaths) {
+  const auto photonmap = integratorFrom("photonmap", "\"bool causticsonly\" true");
+  const auto supports = [&](const std::string& properties) {
+    return photonmap->supportsMedia(*sceneFrom(
+        "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + properties + "\n" +
+        view(2, "0 0 -3  0 0 1  0 1 0", 40) +
+        "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 1\n"));
+  };
+  const std::string noScattering = "\"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0]";
+  EXPECT_TRUE(supports(noScattering));
+  EXPECT_FALSE(supports(noScattering + " \"rgb Le\" [1 1 1]"));
+  EXPECT_FALSE(supports("\"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 .1]"));
+}
+
 TEST(GlowPhotons, FindAFlameInALargeScene) {
   // The flame is above a ground a thousand times as wide, as a shape and as a part of an object in a smaller
   // scene.

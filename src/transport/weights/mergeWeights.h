@@ -94,7 +94,8 @@ class MergeRatio {
 
 /** Factor by which the mean over a block of 8x8 pixels reduces the variance of density estimates, over that
  * of independent estimates. The estimates of a block share their photons: the block has those of the union of
- * its supports, and each pixel those of one support. `radius`: of a support [pixel widths]. */
+ * its supports, and each pixel those of one support. An upper bound, up to twice the factor, as photons at
+ * the rim are in few supports. `radius`: of a support [pixel widths]. */
 inline double independence(double radius) {
   constexpr double WIDTH = 8; // stains of this size are visible
   const double support = M_PI * square(radius), all = square(WIDTH) + 4 * WIDTH * radius + support;
