@@ -80,7 +80,7 @@ class PhotonMapper : public Integrator {
  * learned the scene and must outlive the integrator; null: the integrator learns its own light sampler. */
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,
                                                 const LightSampler* lights = nullptr);
-/** The same settings with photons of caustics only. */
+/** Settings with `causticsOnly`, and without settings that this excludes. */
 PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings);
 
 /** Parameters of photonmap that other plug-ins share. */

@@ -97,7 +97,6 @@ class PhotonPass {
    * points. */
   double causticVarianceByRays() const { return causticRays; }
   bool isProgressive() const { return progressive; }
-  bool hasEdges() const { return settings.edges; }
   /** Search radius of this pass relative to the first pass. */
   float scale() const { return radiusOverFirst; }
 

@@ -291,8 +291,8 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   if (!settings.leavesLightToRays && !support.byNearest && support.region.radius > flat) {
     // Probe rays take longer than the search, and are left out at random where few photons were found. The
     // variance that this adds is at most FAINT times the square of the expected irradiance.
-    const float found = powerWithin(map, support.region) * INV_PI / support.radius2;
-    const float probability = found / std::max(FAINT * settings.expected, FLT_MIN);
+    const float probability =
+        irradianceWithin(map, support.region) / std::max(FAINT * settings.expected, FLT_MIN);
     if (probability < 1) {
       support.empty = boundary->sampler.next1D() >= probability;
       if (support.empty) return support;

@@ -46,8 +46,8 @@ struct GatherSettings {
    * fraction of the area within `radius`, so that no photon is brighter than over that area. Requires
    * `radius` > 0. */
   bool leavesLightToRays = false;
-  /** Irradiance that is expected at the point, summed over channels [W/m²]. Estimates that bring much less
-   * are made at random; 0: all are made. */
+  /** Irradiance by all light at a record near the point, summed over channels [W/m²]. An estimate whose
+   * photons bring much less is made at random; 0: all estimates are made. */
   float expected = 0;
   GatherErrors errors = {};
   float unknownWeightWithin(float radius2) const {

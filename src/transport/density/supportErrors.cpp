@@ -8,21 +8,6 @@
 
 namespace recurse {
 
-namespace {
-
-/** Irradiance within `radius`, summed over channels, as if the disc were all surface [W/m²]. */
-float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
-  region.radius = radius;
-  float sum = 0;
-  photons.visitWithin(region, [&](const PhotonBlock& block) {
-    for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
-      sum += channelSum(block.power(std::countr_zero(slots)));
-  });
-  return sum * INV_PI / square(radius);
-}
-
-} // namespace
-
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
                             BoundaryCorrection& boundary, const RayAlternative& byRays,
                             TransportCounts& counts) {
@@ -37,7 +22,9 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
     norm[j] = INV_PI / (radius2 * covered);
   }
   Float8 sum(0), variance(0), noise(0), rays(0);
-  const float rarest = byRays.maxBrightness * meanPower(photons, region, recordRadius);
+  GatherRegion own = region;
+  own.radius = recordRadius;
+  const float rarest = byRays.maxBrightness * irradianceWithin(photons, own);
   withKernel(kernel, [&](auto k) {
     photons.visitWithin(region, [&](const PhotonBlock& block) {
       alignas(32) float d2[8];

@@ -248,12 +248,12 @@ inline bool anyWithin(const PhotonMap& map, const GatherRegion& region) {
   return map.accumulateWithin(region, 0u, [](uint32_t& any, const PhotonBlock& block) { any |= block.mask; });
 }
 
-/** Power of the photons in a region, summed over channels [W]. */
-inline float powerWithin(const PhotonMap& map, const GatherRegion& region) {
+/** Irradiance by the photons in a region, as if its whole disc were surface, summed over channels [W/m²]. */
+inline float irradianceWithin(const PhotonMap& map, const GatherRegion& region) {
   const Float8 power = map.accumulateWithin(region, Float8(0), [](Float8& all, const PhotonBlock& block) {
     all += (block.red() + block.green() + block.blue()) & Float8::lanes(block.mask);
   });
-  return sum(power);
+  return sum(power) * INV_PI / square(region.radius);
 }
 
 } // namespace recurse
