@@ -7,55 +7,55 @@ namespace recurse {
 
 namespace {
 
-/** The falloff is smoothstep in the cosine between the edge and the full cone, as in pbrt-v4. */
+/** The falloff is smoothstep in the cosine between the edge and the full cone, as in pbrt-v4. Angles are kept
+ * as 1 − cosine (the opening of a cone): the cosine itself rounds to 1 in narrow cones. */
 class Spot final : public Light {
  public:
-  Spot(const Vec3f& position, const Vec3f& axis, const Rgb& intensity, double cosEdge, double cosFull)
-      : position(position), frame(axis), intensity(intensity), cosEdge(cosEdge), cosFull(cosFull),
-        pdfInside(static_cast<float>(1 / solidAngle(cosEdge, cosFull))) {}
+  Spot(const Vec3f& position, const Vec3f& axis, const Rgb& intensity, double edge, double full)
+      : position(position), frame(axis), intensity(intensity), edge(edge), full(full),
+        pdfInside(static_cast<float>(1 / solidAngle(edge, full))) {}
 
-  /** ∫ falloff dω over 2π: the full cone, and half of the soft ring, since smoothstep has mean 1/2. */
-  static double solidAngle(double cosEdge, double cosFull) {
-    return 2 * double(PI) * ((1 - cosFull) + (cosFull - cosEdge) / 2);
-  }
+  /** ∫ falloff dω: the full cone, and half of the soft ring, since smoothstep has mean 1/2. */
+  static double solidAngle(double edge, double full) { return 2 * double(PI) * (full + (edge - full) / 2); }
   LightKind kind() const override { return LightKind::POINT; }
-  Rgb power() const override { return intensity * static_cast<float>(solidAngle(cosEdge, cosFull)); }
+  Rgb power() const override { return intensity * static_cast<float>(solidAngle(edge, full)); }
 
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     // Directions are sampled in proportion to the falloff, so that every photon has the same flux.
-    const double full = 1 - cosFull, ring = (cosFull - cosEdge) / 2;
+    const double ring = (edge - full) / 2;
     const Vec2f& u = sample.direction;
-    double c = double(u.x) * (full + ring);
-    c = c < full ? 1 - c : cosEdge + (cosFull - cosEdge) * inverseSmoothStep((c - full) / ring);
-    const double s = std::sqrt(std::max(0.0, (1 - c) * (1 + c)));
+    double opening = double(u.x) * (full + ring), x = 1;
+    if (opening >= full) {
+      x = inverseSmoothStep((opening - full) / ring);
+      opening = edge - (edge - full) * x;
+    }
+    const float part = smoothStep(x);
+    if (!(part > 0)) return {};
+    const auto sine = static_cast<float>(std::sqrt(opening * (2 - opening)));
     const float phi = 2 * PI * u.y;
-    const Vec3f local(static_cast<float>(s) * std::cos(phi), static_cast<float>(s) * std::sin(phi),
-                      static_cast<float>(c));
-    const float part = falloff(c);
+    const Vec3f local(sine * std::cos(phi), sine * std::sin(phi), static_cast<float>(1 - opening));
     return LeSample{{position, frame.toWorld(local)}, intensity * part, 1, part * pdfInside, power()};
   }
-  LePdf pdfLe(const LeRay& ray) const override {
-    return {0, falloff(double(glm::dot(ray.direction, frame.z))) * pdfInside, true};
-  }
+  LePdf pdfLe(const LeRay& ray) const override { return {0, falloff(ray.direction) * pdfInside, true}; }
   std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
     const Vec3f towards = position - point;
     const float distance2 = lengthSquared(towards);
     if (distance2 == 0) return {};
     const float distance = std::sqrt(distance2);
     const Vec3f direction = towards / distance;
-    const float part = falloff(-glm::dot(direction, frame.z));
+    const float part = falloff(-direction);
     if (!(part > 0)) return {};
     return LiSample{direction, position, distance, intensity * (part / distance2), 1, true};
   }
 
  private:
-  /** Intensity relative to the full cone, at an angle of cosine c to the axis. */
-  float falloff(double c) const {
-    if (c <= cosEdge) return 0;
-    if (c >= cosFull) return 1;
-    const auto x = static_cast<float>((c - cosEdge) / (cosFull - cosEdge));
-    return x * x * (3 - 2 * x);
+  /** Intensity in a direction, relative to the full cone. */
+  float falloff(const Vec3f& direction) const {
+    const double opening = double(lengthSquared(direction - frame.z)) / 2;
+    if (opening <= full) return 1;
+    return opening < edge ? smoothStep((edge - opening) / (edge - full)) : 0;
   }
+  static float smoothStep(double x) { return static_cast<float>(x * x * (3 - 2 * x)); }
   /** Solves ∫₀ˣ smoothstep = u/2, that is 2x³ − x⁴ = u, for x in [0,1] by bisection and Newton's steps. */
   static double inverseSmoothStep(double u) {
     double low = 0, high = 1, x = 0.5;
@@ -73,8 +73,8 @@ class Spot final : public Light {
   Vec3f position;
   Frame frame;
   Rgb intensity;
-  double cosEdge, cosFull;
-  float pdfInside; ///< density of directions in the full cone [1/sr]
+  double edge, full; ///< openings of the cones outside of which it is dark, and inside of which it is full
+  float pdfInside;   ///< density of directions in the full cone [1/sr]
 };
 
 } // namespace
@@ -102,12 +102,13 @@ void registerSpot(PlugIns& plugIns) {
          if (!(glm::length(axis) > 0)) p.fail("to", "\"from\" and \"to\" are the same point");
          if (p.real("conedeltaangle") > p.real("coneangle"))
            p.fail("conedeltaangle", "the falloff is wider than the cone", "at most \"coneangle\"");
-         const double cosEdge = std::cos(glm::radians(p.real("coneangle")));
-         const double cosFull = std::cos(glm::radians(p.real("coneangle") - p.real("conedeltaangle")));
+         const auto opening = [](double degrees) { return 2 * square(std::sin(glm::radians(degrees) / 2)); };
+         const double edge = opening(p.real("coneangle"));
+         const double full = opening(p.real("coneangle") - p.real("conedeltaangle"));
          double scale = p.real("scale");
-         if (p.hasValue("power")) scale *= p.real("power") / Spot::solidAngle(cosEdge, cosFull);
+         if (p.hasValue("power")) scale *= p.real("power") / Spot::solidAngle(edge, full);
          return std::make_unique<Spot>(Vec3f(from), Vec3f(glm::normalize(axis)), Rgb(p.spectrum("I") * scale),
-                                       cosEdge, cosFull);
+                                       edge, full);
        }});
 }
 

@@ -310,6 +310,40 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
   }
 }
 
+// The cosine of the half-angle of such cones is 1 in single precision.
+TEST(Spot, RaysOfTheNarrowestConesArriveAtTheFullIntensity) {
+  constexpr uint32_t COUNT = 4000;
+  for (const double angle : {0.001, 0.02}) {
+    Diagnostics diagnostics;
+    const auto light = plugIns().lights.make(
+        parseParameterText("spot",
+                           "\"point3 from\" [.2 .3 .1] \"point3 to\" [-.5 1 .7] \"float coneangle\" " +
+                               std::to_string(angle) + " \"float conedeltaangle\" 0"),
+        LightContext{Mat4d(1)}, diagnostics);
+    ASSERT_TRUE(light) << diagnostics.format();
+    light->prepare(BOUNDS);
+    const double opening = 2 * square(std::sin(glm::radians(angle) / 2));
+    EXPECT_NEAR(light->power().r / (2 * M_PI * opening), 1, 1e-5) << angle;
+    uint32_t lit = 0, dense = 0;
+    for (uint32_t i = 0; i < COUNT; ++i) {
+      const auto photon = light->sampleLe(leRandom(i));
+      ASSERT_TRUE(photon) << angle;
+      ASSERT_GT(photon->pdfDirection, 0) << angle;
+      dense += light->pdfLe(*photon).direction == photon->pdfDirection;
+      const auto arrives = light->sampleLi(photon->origin + photon->direction, 0, Vec2f(0.5f));
+      lit += arrives && std::abs(arrives->radiance.r - 1) < 1e-4f;
+    }
+    // Rounding moves directions by a hundredth of the narrower cone.
+    EXPECT_GT(lit, COUNT * 49 / 50) << angle;
+    EXPECT_GT(dense, COUNT * 49 / 50) << angle;
+    LeRandom edge;
+    edge.direction = Vec2f(std::nextafter(1.0f, 0.0f), 0.3f);
+    const auto photon = light->sampleLe(edge);
+    ASSERT_TRUE(photon) << angle;
+    EXPECT_GT(photon->pdfDirection, 0) << angle;
+  }
+}
+
 TEST(DiffuseLight, ExponentGivesAPowerOfTheCosine) {
   Diagnostics diagnostics;
   const auto disc = plugIns().shapes.make(parseParameterText("disk", "\"float radius\" 2"), {}, diagnostics);
