@@ -70,6 +70,20 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
   EXPECT_LT(split.strongest, 0.6f * whole.strongest);
 }
 
+TEST(StrongPhotons, AreSplitIntoALimitedNumber) {
+  const auto scene = sceneFrom(litCorner(16));
+  VisibleRegion everywhere;
+  everywhere.add(scene->bounds().center, 2 * scene->bounds().radius);
+  ShootSettings settings;
+  settings.photons = 20;
+  settings.direct = false;
+  settings.maxDepth = 8;
+  settings.region = &everywhere;
+  settings.splitPower = 1e-20f; // a lamp that no trial photon of the region came from
+  const ShotPhotons shot = shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl());
+  EXPECT_LT(shot.stored.size(), settings.photons * uint64_t(256 * settings.maxDepth));
+}
+
 TEST(StrongPhotons, FollowAMirrorOnlyOnceWhereTheyAreSplit) {
   // The coat's mirror reflection has a single direction, so all copies of a photon would arrive at the same
   // point.

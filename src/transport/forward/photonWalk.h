@@ -62,6 +62,7 @@ class PhotonWalk {
     PhotonPath photon;
     photon.path = origin.path;
     photon.path.throughput /= static_cast<float>(settings.photons);
+    splitPower = std::max(settings.splitPower, maxComponent(photon.path.throughput) / MAX_SPLIT);
     if (origin.end.light && origin.end.isIntersectable())
       photon.ratio = ReverseRatio::atLight(origin.end.ray, origin.pdf, origin.probability);
     photon.record = RecordedWalk(record, 1);
@@ -145,10 +146,8 @@ class PhotonWalk {
   /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
    * in the visible region would each light a whole room from one direction. */
   int splitCount(const Rgb& flux, const Vec3f& position) const {
-    constexpr float MAX_COUNT = 256;
-    const float count = maxComponent(flux) / settings.splitPower;
-    if (!(count > 2) || !settings.region->contains(position)) return 1;
-    return static_cast<int>(std::min(count, MAX_COUNT));
+    const float count = maxComponent(flux) / splitPower;
+    return count > 2 && settings.region->contains(position) ? static_cast<int>(count) : 1;
   }
 
   /** Reverse ratio after a non-delta event: from the light's densities at the first, else by furtherOn(). */
@@ -237,6 +236,9 @@ class PhotonWalk {
   LightStart origin;        ///< of the current photon
   LightVertex vertex;       ///< latest vertex of the current photon
   bool storesDirect = true; ///< see ShootSettings::direct
+  /** Maximum number of photons that one emitted photon is split into, at all its surfaces together. */
+  static constexpr float MAX_SPLIT = 256;
+  float splitPower = INFINITE; ///< power from twice of which on the current photon is split [W]
 };
 
 } // namespace recurse

@@ -34,7 +34,7 @@ struct ShootSettings {
   const LightSampler* shadowRays = nullptr;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
-  float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
+  float splitPower = INFINITE;           ///< approximate power of each photon after a split
   LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 
