@@ -14,6 +14,7 @@
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/integrator/maxDepthParameter.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/paths/recordedCamera.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
@@ -74,7 +75,7 @@ class VirtualPointLights final : public Integrator {
   }
   bool passHasOneTime() const override { return true; }
   void prepare(const Scene& scene, const PathClasses&) override {
-    lights.learn(scene);
+    learnLights(scene, lights);
     // Default clamp distance: scene radius / sqrt(light paths), about the spacing of light paths.
     const float distance = settings.clampChosen
                                ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))

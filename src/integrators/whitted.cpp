@@ -4,6 +4,7 @@
  */
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
@@ -16,7 +17,7 @@ class Whitted final : public Integrator {
   Whitted(int maxDepth, float minWeight)
       : maxDepth(maxDepth < 0 ? LOSSLESS_ROULETTE_DEPTH : maxDepth), minWeight(minWeight) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override { lights.learn(scene); }
+  void prepare(const Scene& scene, const PathClasses&) override { learnLights(scene, lights); }
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {

@@ -6,6 +6,7 @@
 
 #include "recurse/transport/integrator/estimatorDomains.h"
 #include "transport/direct/directLight.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/weights/gatherWeighting.h"
 
 using namespace recurse;
@@ -279,7 +280,7 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
     LightSampler guide;
-    guide.learn(*scene);
+    learnLights(*scene, guide);
     size_t tested = 0, wrong = 0;
     visitPoints(*scene, samples(4000),
                 [&](const ScatteringPoint&, const SurfacePoint& point, const Vec3f& wi, Sampler sampler) {
@@ -410,7 +411,7 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
     LightSampler guide;
-    guide.learn(*scene);
+    learnLights(*scene, guide);
     for (const int n : {1, 3})
       for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(NON_DELTA_LOBES)}) {
         size_t tested = 0, wrong = 0, shared = 0;
@@ -455,7 +456,7 @@ TEST(Counts, IncludeLearning) {
     lamps += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i) + " .5 .5 ]\n";
   const auto scene = sceneFrom(roomWith(lamps));
   LightSampler guide;
-  const uint64_t learning = guide.learn(*scene).rays;
+  const uint64_t learning = learnLights(*scene, guide).rays;
   EXPECT_GT(learning, 1000u);
   for (const char* name : {"path", "photonmap"}) {
     const auto integrator =

@@ -7,6 +7,7 @@
 
 #include "integrators/auto/estimatorTrial.h"
 #include "integrators/photonmap/photonPass.h"
+#include "transport/learning/lightLearning.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -190,7 +191,7 @@ MediumInterface "faint" ""
   settings.alpha = 2.0 / 3;
   PhotonPass photons(settings);
   LightSampler lights;
-  lights.learn(*scene);
+  learnLights(*scene, lights);
   photons.run(*scene, PathClasses(), {1, 0, PassSchedule::PER_SAMPLE, 0}, {}, lights);
   EXPECT_GT(photons.causticVarianceByRays(), 10);
 }

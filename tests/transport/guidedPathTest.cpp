@@ -5,6 +5,7 @@
 
 #include "guidedScenes.h"
 #include "transport/learning/guideTraining.h"
+#include "transport/learning/lightLearning.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -84,7 +85,7 @@ TEST(GuidedPath, StatisticsAreOfTheLatestPass) {
 TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {
   const auto scene = sceneFrom(slitRoom());
   LightSampler lights;
-  lights.learn(*scene);
+  learnLights(*scene, lights);
   TransportCounts counts;
   const uint64_t learning = counts.rays;
   GuideTraining sequence({}), alone({});

@@ -7,6 +7,7 @@
 #include "integrators/path/pathTracing.h"
 #include "integrators/photonmap/photonMapping.h"
 #include "transport/direct/directLight.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/rendering.h"
 
 using namespace recurse;
@@ -55,7 +56,7 @@ std::string yard() {
 LightSampler learned(const Scene& scene, int threads = 0) {
   const ThreadPool pool(threads);
   LightSampler guide;
-  guide.learn(scene);
+  learnLights(scene, guide);
   return guide;
 }
 
@@ -206,7 +207,8 @@ TEST(LightSampler, TheSameForAnyNumberOfThreads) {
 TEST(LightSampler, WhatLearningTookIsTold) {
   const auto scene = sceneFrom(rooms());
   const ThreadPool pool(0);
-  const uint64_t learning = LightSampler().learn(*scene).rays;
+  LightSampler lights;
+  const uint64_t learning = learnLights(*scene, lights).rays;
   ASSERT_GT(learning, 0u);
   const auto raysOfFirstPass = [&](const char* name, const char* parameters) {
     const auto integrator = integratorFrom(name, parameters);
@@ -233,7 +235,7 @@ TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
   const auto scene = sceneFrom(rooms());
   const ThreadPool pool(0);
   LightSampler lights;
-  ASSERT_GT(lights.learn(*scene).rays, 0u);
+  ASSERT_GT(learnLights(*scene, lights).rays, 0u);
   const auto path = makePathTracing({}, &lights);
   path->prepare(*scene, PathClasses());
   EXPECT_EQ(path->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays, 0u);

@@ -5,6 +5,7 @@
 #include "roomWithHole.h"
 
 #include "transport/direct/lightSampler.h"
+#include "transport/learning/lightLearning.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -44,6 +45,7 @@ TEST(Mechanisms, ARoomLitThroughAHoleHasTheSameLightWithoutThem) {
 
 TEST(Mechanisms, OpeningsForShadowRaysAreNotLookedForWhereTheyAreLeftOut) {
   const auto scene = sceneFrom(roomWithHole(12));
-  EXPECT_GT(LightSampler().learn(*scene).rays, 0u);
-  EXPECT_EQ(LightSampler().learn(*scene, false).rays, 0u); // nothing to learn with a single light
+  LightSampler lights;
+  EXPECT_GT(learnLights(*scene, lights).rays, 0u);
+  EXPECT_EQ(learnLights(*scene, lights, false).rays, 0u); // nothing to learn with a single light
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "sceneRendering.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/learning/photonRecords.h"
 
 using namespace recurse;
@@ -14,7 +15,7 @@ namespace {
 
 std::vector<GuideRecord> recordsOf(const Scene& scene, uint64_t photons) {
   LightSampler lights;
-  lights.learn(scene);
+  learnLights(scene, lights);
   ShootSettings shoot;
   shoot.photons = photons;
   shoot.shadowRays = &lights;

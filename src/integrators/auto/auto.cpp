@@ -31,7 +31,7 @@ class Auto final : public Integrator {
   void prepare(const Scene& scene, const PathClasses& classes) override {
     learned = {};
     if (!settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
-      learned = lights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
+      learned = learnLights(scene, lights, settings.without != Mechanism::SHADOW_OPENINGS);
     mapper->prepare(scene, classes);
   }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,

@@ -16,6 +16,7 @@
 #include "transport/direct/directLight.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
@@ -67,7 +68,7 @@ ParameterSpec guidedStartsParameter() {
 }
 
 void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
-  if (settings.shadowRays) lights.learn(scene);
+  if (settings.shadowRays) learnLights(scene, lights);
   lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
                                        : double(scene.film().width) * double(scene.film().height);
   if (scene.lights().size() == 0) lightPaths = 0;

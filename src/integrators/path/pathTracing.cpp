@@ -10,6 +10,7 @@
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
+#include "transport/learning/lightLearning.h"
 
 namespace recurse {
 
@@ -70,7 +71,7 @@ class PathTracing final : public Integrator {
         training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
 
   void prepare(const Scene& scene, const PathClasses&) override {
-    if (&lightSampler == &ownLights) learned = ownLights.learn(scene);
+    if (&lightSampler == &ownLights) learned = learnLights(scene, ownLights);
   }
 
   Passes passes(int) const override { return guided ? Passes::doubling() : Passes::oneMap(); }

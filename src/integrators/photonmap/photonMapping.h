@@ -7,6 +7,7 @@
 
 #include "integrators/photonmap/photonPass.h"
 #include "recurse/scene/parameters/parameters.h"
+#include "transport/learning/lightLearning.h"
 
 namespace recurse {
 
@@ -45,7 +46,7 @@ class PhotonMapper : public Integrator {
   void prepare(const Scene& scene, const PathClasses&) override {
     learned = {};
     if (&lights == &ownLights && !settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
-      learned = ownLights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
+      learned = learnLights(scene, ownLights, settings.without != Mechanism::SHADOW_OPENINGS);
   }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {

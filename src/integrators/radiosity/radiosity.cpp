@@ -14,6 +14,7 @@
 #include "transport/direct/localShading.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
+#include "transport/learning/lightLearning.h"
 #include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 
@@ -32,7 +33,7 @@ class Radiosity final : public Integrator {
   Radiosity(int rays, float patchSize) : rays(rays), patchSize(patchSize) {}
 
   void prepare(const Scene& scene, const PathClasses& classes) override {
-    lights.learn(scene);
+    learnLights(scene, lights);
     patches.dice(scene, patchSize);
     states = classes.lightStateCount();
   }

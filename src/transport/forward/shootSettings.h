@@ -33,8 +33,8 @@ struct ShootSettings {
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: there are no shadow rays. */
   const LightSampler* shadowRays = nullptr;
   KeptInMedia inMedia;
-  const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
-  float splitPower = INFINITE;           ///< approximate power of each photon after a split
+  const VisibleRegion* region = nullptr;   ///< region in which strong photons are split; null: none
+  float splitPower = INFINITE;             ///< approximate power of each photon after a split
   LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 
