@@ -813,3 +813,25 @@ TEST(PhotonBeams, SingleScatteringOfParallelLight) {
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(double(meanOfMedium(r)[c]) / expected[c], 1, SANITIZED ? 0.15 : 0.03) << c;
 }
+
+// In fog of many scattering events, all photons that are stored are stored with the same probability. Trials
+// of a few photons choose it.
+TEST(Media, PhotonsStoredForEachEmittedOneDoNotDependOnTheirNumber) {
+  const auto scene =
+      sceneFrom("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] "
+                "\"rgb sigma_s\" [3 3 3]\nMediumInterface \"\" \"fog\"\n" +
+                view(32, "0 0 -.95  0 0 1  0 1 0", 80) + R"(
+MediumInterface "fog" "fog"
+LightSource "point" "point3 from" [ 0 .9 0 ]
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+ReverseOrientation
+Shape "box" "point3 p1" [-1 -1 -1] "point3 p2" [1 1 1]
+)");
+  const auto storedPerEmitted = [&](int photons) {
+    const auto s = renderScene(*scene, "photonmap",
+                               "\"integer passes\" 0 \"integer photons\" " + std::to_string(photons), 1)
+                       .statistics;
+    return double(s.photonsStored) / double(s.photonsEmitted);
+  };
+  EXPECT_NEAR(storedPerEmitted(131072) / storedPerEmitted(4096), 1, .1);
+}

@@ -174,7 +174,7 @@ bool keepsBeams(const Medium& medium) {
 void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             ShootSettings shoot, const ForwardControl& control,
                             ForwardStatistics& statistics) {
-  constexpr uint64_t TRIALS = 4096;
+  constexpr uint64_t TRIALS = 4096, STREAM = 0x4d45444941ull;
   // Maximum points and beams stored for each emitted photon. Photons scatter hundreds of times in thick
   // media, and a ray passes a hundred times as many beams as points.
   constexpr double POINTS = 4, BEAMS = 0.25;
@@ -184,10 +184,11 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
   media.byBeams.assign(scene.mediumCount() + 1u, false);
   for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
     media.byBeams[i] = settings.beams && keepsBeams(*scene.medium(i));
+  shoot.splitPower *= static_cast<float>(shoot.photons) / float(TRIALS);
   shoot.photons = TRIALS;
   shoot.inMedia = media;
   Pass trial = pass;
-  trial.seed = hashCombine(pass.seed, TRIALS);
+  trial.seed = hashCombine(pass.seed, STREAM);
   const ShotPhotons shot = shootPhotons(scene, classes, trial, shoot, control);
   statistics.counts.add(shot.counts);
   media.pointPart = partOf(POINTS, shot.inMedia.size());
