@@ -126,7 +126,7 @@ Shape "bilinearmesh" "point3 P" [-3 -.1 4  3 -.1 4  -3 -.1 -4  3 -.1 -4]
     settings.photons = 400000;
     settings.emission.mixture = through;
     double sum = 0;
-    for (const Photon& p : shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).stored)
+    for (const Photon& p : shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).onSurfaces)
       if (p.position.y - scene->bounds().center.y < -0.5f) sum += double(p.power.r);
     return sum;
   };

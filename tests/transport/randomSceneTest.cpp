@@ -55,7 +55,7 @@ size_t mostInOnePoint(const Scene& scene) {
   settings.direct = false;
   std::map<std::tuple<float, float, float>, size_t> counts;
   size_t most = 0;
-  for (const Photon& p : shootPhotons(scene, PathClasses(), Pass(), settings, ForwardControl()).stored)
+  for (const Photon& p : shootPhotons(scene, PathClasses(), Pass(), settings, ForwardControl()).onSurfaces)
     most = std::max(most, ++counts[{p.position.x, p.position.y, p.position.z}]);
   return most;
 }

@@ -52,7 +52,8 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
       Pass p;
       p.seed = pass + 1;
       double flux = 0;
-      for (const Photon& photon : shootPhotons(*scene, PathClasses(), p, settings, ForwardControl()).stored) {
+      for (const Photon& photon :
+           shootPhotons(*scene, PathClasses(), p, settings, ForwardControl()).onSurfaces) {
         flux += double(photon.power.g);
         shot.strongest = std::max(shot.strongest, maxComponent(photon.power));
         ++shot.count;
@@ -81,7 +82,7 @@ TEST(StrongPhotons, AreSplitIntoALimitedNumber) {
   settings.region = &everywhere;
   settings.splitPower = 1e-20f; // a lamp that no trial photon of the region came from
   const ShotPhotons shot = shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl());
-  EXPECT_LT(shot.stored.size(), settings.photons * uint64_t(256 * settings.maxDepth));
+  EXPECT_LT(shot.onSurfaces.size(), settings.photons * uint64_t(256 * settings.maxDepth));
 }
 
 TEST(StrongPhotons, FollowAMirrorOnlyOnceWhereTheyAreSplit) {
@@ -108,7 +109,7 @@ Shape "bilinearmesh" "point3 P" [ -2 2 0  2 2 0  -2 2 4  2 2 4 ]
   const auto shoot = [&] {
     Shot shot;
     std::vector<Photon> photons =
-        shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).stored;
+        shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).onSurfaces;
     std::sort(photons.begin(), photons.end(), [](const Photon& a, const Photon& b) {
       return std::tie(a.position.x, a.position.y, a.position.z) <
              std::tie(b.position.x, b.position.y, b.position.z);

@@ -8,15 +8,6 @@
 
 namespace recurse {
 
-namespace {
-
-class Bdpt final : public Bidirectional {
- public:
-  explicit Bdpt(const BidirectionalSettings& settings) : Bidirectional(settings) {}
-};
-
-} // namespace
-
 void registerBdpt(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "bdpt",
@@ -38,7 +29,7 @@ void registerBdpt(PlugIns& plugIns) {
          settings.maxDepth = p.integer("maxdepth");
          settings.guided = p.boolean("guided");
          if (p.hasValue("lightpaths")) settings.lightPaths = static_cast<uint64_t>(p.integer("lightpaths"));
-         return std::make_unique<Bdpt>(settings);
+         return std::make_unique<Bidirectional>(settings);
        }});
 }
 

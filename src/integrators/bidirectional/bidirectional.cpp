@@ -312,14 +312,14 @@ void Bidirectional::visitPhotonBoxes(int levels, const std::function<void(const 
 
 std::vector<EstimatorDomain> Bidirectional::domains() const {
   std::vector<EstimatorDomain> all;
-  const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost) {
-    const bool hitsLights = std::string_view(estimator) == "emission";
-    const bool onlyPanes = std::string_view(estimator) == "shadow rays through panes";
+  const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost,
+                       bool hitsLights = false, bool onlyPanes = false) {
     if (used) all.push_back({estimator, expression, cost, "all light", hitsLights, onlyPanes});
   };
-  add(settings.hits, "emission", "L(S|D)*E", "none: found by rays of camera paths");
+  add(settings.hits, "emission", "L(S|D)*E", "none: found by rays of camera paths", true);
   add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");
-  add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E", "included in shadow rays");
+  add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E", "included in shadow rays", false,
+      true);
   add(settings.connections, "connections", "L(S|D)*DD(S|D)*E",
       "one shadow ray for each pair of a diffuse vertex of the camera path and one of the light path");
   add(settings.splats, "splats", "L(S|D)*DE",

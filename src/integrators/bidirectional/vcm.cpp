@@ -9,15 +9,6 @@
 
 namespace recurse {
 
-namespace {
-
-class Vcm final : public Bidirectional {
- public:
-  explicit Vcm(const BidirectionalSettings& settings) : Bidirectional(settings) {}
-};
-
-} // namespace
-
 void registerVcm(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "vcm",
@@ -49,7 +40,7 @@ void registerVcm(PlugIns& plugIns) {
          settings.correlated = p.boolean("correlated");
          if (p.hasValue("radius")) settings.radius = static_cast<float>(p.real("radius"));
          if (p.hasValue("photons")) settings.lightPaths = static_cast<uint64_t>(p.integer("photons"));
-         return std::make_unique<Vcm>(settings);
+         return std::make_unique<Bidirectional>(settings);
        }});
 }
 

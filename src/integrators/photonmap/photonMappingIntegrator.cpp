@@ -22,8 +22,8 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared =
       settings.finalGather > 0 && settings.shareIrradiance && oneClass && !classes.isTransient();
-  irradiances.reset(shared ? photons.indirect().cache().size() : 0);
-  causticIrradiances.reset(shared ? photons.caustics().cache().size() : 0);
+  irradiances.reset(shared ? photons.indirect().cache.size() : 0);
+  causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
   return statistics;
 }
 

@@ -39,7 +39,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     beginEstimate();
     const GatherSettings search = atRecord(layer, query);
     const Rgb e = cache.at(query.cached.index, out.counts, [&](TransportCounts& counts) {
-      const RadiusCache::Record& record = layer.cache().record(query.cached.index);
+      const RadiusCache::Record& record = layer.cache.record(query.cached.index);
       BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.cached.index)),
                                   &record.around};
       return irradiance(layer.map, search, record.position, record.normal, record.error,
@@ -78,7 +78,7 @@ bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& q
 }
 
 GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
-  GatherSettings search = photons.searchWithin(layer, layer.cache().record(query.cached.index).radius);
+  GatherSettings search = photons.searchWithin(layer, layer.cache.record(query.cached.index).radius);
   search.weighedAgainstRays = query.settings.weighedAgainstRays;
   search.mergeDensity = query.settings.mergeDensity;
   search.unknownWeight = query.settings.unknownWeight;

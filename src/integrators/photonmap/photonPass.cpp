@@ -8,6 +8,7 @@
 
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/processorTime.h"
+#include "transport/emission/cameraProbe.h"
 #include "transport/paths/mediumFlight.h"
 
 namespace recurse {
@@ -83,6 +84,35 @@ ShootSettings PhotonPass::shootSettings(const Scene& scene, const LightSampler& 
   return shoot;
 }
 
+EmissionSettings PhotonPass::emission() const {
+  EmissionSettings starts;
+  starts.mixture = &guidance.emission;
+  starts.outside = outside;
+  starts.outsideTransmittance = outsideTransmittance;
+  return starts;
+}
+
+LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
+  return emission().pdfLe(index, light, ray);
+}
+
+float PhotonPass::probability(const Scene& scene, uint32_t light) const {
+  return emission().table(scene).probability(light);
+}
+
+void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                               const ShootSettings& shoot, const ForwardControl& control,
+                               ForwardStatistics& statistics) {
+  region = probeRegion(scene, settings.weighting, statistics.counts);
+  // A search for the nearest photons of one map needs photons of nearly equal power.
+  guidance =
+      recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, progressive);
+  if (settings.without == Mechanism::SPLITTING) guidance.splitPower = INFINITE;
+  if (guidance.emission.active())
+    statistics.notes.push_back(formatted("%.0f %% of the photons are aimed at visible surfaces and openings",
+                                         100 * guidance.emission.boxPart()));
+}
+
 void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                const ForwardControl& control, const LightSampler& shadowRays,
                                ForwardStatistics& statistics) {
@@ -102,13 +132,13 @@ void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, c
 void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot,
                            ForwardStatistics& statistics) {
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<float> lengths = causticsFirst(shot.stored, shot.lengths.onSurfaces);
-  const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
+  const std::vector<float> lengths = causticsFirst(shot.onSurfaces, shot.lengths.onSurfaces);
+  const auto firstIndirect = std::stable_partition(shot.onSurfaces.begin(), shot.onSurfaces.end(),
                                                    [](const Photon& p) { return p.caustic; });
-  causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
-  indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
+  causticLayer.map.build({shot.onSurfaces.begin(), firstIndirect}, settings.index);
+  indirectLayer.map.build({firstIndirect, shot.onSurfaces.end()}, settings.index);
   if (!lengths.empty()) {
-    const auto caustics = static_cast<size_t>(firstIndirect - shot.stored.begin());
+    const auto caustics = static_cast<size_t>(firstIndirect - shot.onSurfaces.begin());
     causticLayer.map.setLengths(std::span(lengths).first(caustics));
     indirectLayer.map.setLengths(std::span(lengths).subspan(caustics));
   }

@@ -3,7 +3,6 @@
  */
 #pragma once
 
-#include <memory>
 #include <string>
 
 #include "transport/density/gatherChoice.h"
@@ -45,9 +44,7 @@ struct PhotonPassSettings {
 struct PhotonLayer {
   PhotonMap map;
   GatherChoice choice; ///< from the first pass
-  /** Radii from the first pass. */
-  const RadiusCache& cache() const { return *radii; }
-  std::shared_ptr<const RadiusCache> radii = std::make_shared<RadiusCache>(); ///< not null
+  RadiusCache cache;   ///< from the first pass
 };
 
 /** Photons in media: each medium has either points or beams. */
@@ -63,9 +60,8 @@ struct MediaPhotons {
 struct PhotonQuery {
   GatherSettings settings;
   CachedRadius cached;
-  float cost = 0; ///< estimated processor time of the search [camera paths]
-  float expected =
-      0; ///< irradiance by the layer and direct light at a record near by, sum of channels [W/m²]
+  /** Irradiance by the layer and direct light at a record near by, sum of channels [W/m²]. */
+  float expected = 0;
 };
 
 class PhotonPass {

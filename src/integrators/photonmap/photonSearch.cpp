@@ -48,11 +48,9 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
                                  isCaustic ? discarded : statistics);
     if (!progressive && !settings.edges) continue;
-    auto radii = std::make_shared<RadiusCache>();
-    radii->build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0, detail,
-                 isCaustic ? toCaustics : toIndirect, statistics.counts,
-                 settings.without != Mechanism::JUDGED_RADII);
-    layer->radii = std::move(radii);
+    layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
+                       detail, isCaustic ? toCaustics : toIndirect, statistics.counts,
+                       settings.without != Mechanism::JUDGED_RADII);
   }
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
 }
@@ -61,8 +59,8 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
   double sum = 0;
   for (const VisiblePoint& visible : seen) {
     const auto at = [&](const PhotonLayer& layer) {
-      const CachedRadius near = layer.cache().at(visible.point.position, visible.point.geometricNormal);
-      return near.known ? &layer.cache().record(near.index) : nullptr;
+      const CachedRadius near = layer.cache.at(visible.point.position, visible.point.geometricNormal);
+      return near.known ? &layer.cache.record(near.index) : nullptr;
     };
     const RadiusCache::Record *caustic = at(causticLayer), *other = at(indirectLayer);
     if (!caustic || !(caustic->raysVariance > 0)) continue;
@@ -74,7 +72,7 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
 
 PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const {
   PhotonQuery here{layer.choice.settings, {}};
-  if (progressive || settings.edges) here.cached = layer.cache().at(point.position, point.normalTowards(wi));
+  if (progressive || settings.edges) here.cached = layer.cache.at(point.position, point.normalTowards(wi));
   if (progressive) here.settings = searchWithin(layer, here.cached.radius);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
@@ -84,7 +82,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   } else {
     here.settings.weighting = settings.weighting;
   }
-  if (layer.cache().size() > 0) here.expected = layer.cache().record(here.cached.index).lit;
+  if (layer.cache.size() > 0) here.expected = layer.cache.record(here.cached.index).lit;
   return here;
 }
 
@@ -92,9 +90,9 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = settings.without != Mechanism::MERGE_WEIGHTS;
   gather.mergeDensity = gather.unknownWeight = 0;
-  if (tooFew || indirectLayer.cache().size() == 0) return;
+  if (tooFew || indirectLayer.cache.size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
-  const RadiusCache::Record& record = indirectLayer.cache().record(query.cached.index);
+  const RadiusCache::Record& record = indirectLayer.cache.record(query.cached.index);
   const double independent = independence(double(gather.radius / std::max(footprint, FLT_MIN)));
   gather.mergeDensity = static_cast<float>(double(emitted) * independent);
   const auto variance = double(record.variance);

@@ -92,7 +92,6 @@ class RecordFitter {
       record.position = found->point.position;
       record.normal = found->point.geometricNormal;
       record.error = glm::length(found->point.error);
-      record.footprint = found->footprint;
       record.bothSides = found->transmits;
       record.radius = kthDistance(regionAt(record), scratch);
     });

@@ -50,8 +50,7 @@ class RadiusCache {
     float error = 0;        ///< bound of the position error
     bool bothSides = false; ///< see GatherRegion
     float radius = 0;
-    float spacing = 0;   ///< distance to the third nearest neighbouring record
-    float footprint = 0; ///< pixel width there [scene units]; 0: not known to be visible
+    float spacing = 0; ///< distance to the third nearest neighbouring record
     /** Irradiance in the first pass, summed over channels, as means over records near by: value [W/m²],
      * and variance [W²/m⁴], which is infinite if the errors are unknown. */
     float irradiance = 0, variance = INFINITE;

@@ -9,9 +9,17 @@
 
 #include "transport/density/boundaryCorrection.h"
 #include "transport/density/gather.h"
-#include "transport/density/rayAlternative.h"
+#include "transport/direct/lightSampler.h"
 
 namespace recurse {
+
+/** Model of camera rays that replace photons. */
+struct RayAlternative {
+  float emitted = 0;                    ///< number of photons emitted in the pass
+  const LightSampler* lights = nullptr; ///< for shadow rays; null: rays do not share light with photons
+  /** Maximum of a ray's estimate over the irradiance at the point: larger ones are too rare to count. */
+  float maxBrightness = 100;
+};
 
 /** Scale of detail of the light that a map's photons represent. */
 enum class LightDetail {

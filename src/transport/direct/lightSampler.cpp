@@ -29,14 +29,9 @@ double irradianceBy(const LiSample& light, const Vec3f& normal, bool bothSides) 
   return std::isfinite(e) ? e : 0;
 }
 
-size_t LightArrivals::sideOf(const Vec3f& normal) {
-  const int axis = widestAxis(magnitude(normal));
-  return size_t(2 * axis + (normal[axis] < 0));
-}
-
 LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) const {
   LightSampleContext context{position};
-  const std::vector<Cell>& side = cells[LightArrivals::sideOf(normal)];
+  const std::vector<Cell>& side = cells[signedAxis(normal)];
   if (side.empty()) return context;
   // Pending descents and their weights; near a border both children are followed.
   struct Way {

@@ -33,11 +33,10 @@ struct LightArrivals {
     Vec3f position, normal; ///< normal: on the lit side
     uint32_t leaf;          ///< of the light in the tree
   };
-  /** Number of signed axes; arrivals are stored by the one nearest to the normal. */
+  /** Number of signed axes. Arrivals are stored by the one nearest to the normal. */
   static constexpr size_t SIDES = 6;
-  static size_t sideOf(const Vec3f& normal);
   void add(const Vec3f& position, const Vec3f& normal, uint32_t leaf) {
-    bySide[sideOf(normal)].push_back({position, normal, leaf});
+    bySide[signedAxis(normal)].push_back({position, normal, leaf});
   }
   std::array<std::vector<Arrival>, SIDES> bySide;
 };

@@ -9,7 +9,6 @@
 
 #include "recurse/core/math/float8.h"
 #include "recurse/transport/integrator/integrator.h"
-#include "transport/emission/nestedBoxes.h"
 
 namespace recurse {
 

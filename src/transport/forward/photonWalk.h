@@ -4,14 +4,11 @@
 #pragma once
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "transport/direct/directLight.h"
 #include "transport/forward/shootSettings.h"
-#include "transport/media/photonBeams.h"
-#include "transport/media/volumePhotons.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 #include "transport/weights/mergeWeights.h"
@@ -20,22 +17,6 @@ namespace recurse {
 
 /** Number of photons in a batch, the unit of parallel work. */
 constexpr uint64_t PHOTON_BATCH = 4096;
-
-/** Photons that walks have stored, by kind. */
-struct StoredPhotons {
-  std::vector<Photon> onSurfaces;
-  std::vector<VolumePhoton> inMedia;
-  std::vector<PhotonBeam> beams;
-  PhotonPathLengths lengths;
-
-  size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
-  auto lists() {
-    return std::tie(onSurfaces, inMedia, beams, lengths.onSurfaces, lengths.inMedia, lengths.beams);
-  }
-  void clear() {
-    std::apply([](auto&... list) { (list.clear(), ...); }, lists());
-  }
-};
 
 /** Photon between two scattering events. */
 struct PhotonPath {

@@ -51,9 +51,12 @@ void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
   std::apply([&](auto&... lists) { (readBytes(bytes, lists), ...); }, stored.lists());
 }
 
-template <class T> void moveTo(std::vector<T>& all, std::vector<T>& batch) {
-  all.insert(all.end(), batch.begin(), batch.end());
-  std::vector<T>().swap(batch);
+/** Appends a batch, which becomes empty. */
+void moveTo(StoredPhotons& all, StoredPhotons& batch) {
+  const auto append = [](auto& list, const auto& more) { list.insert(list.end(), more.begin(), more.end()); };
+  std::apply([&](auto&... to) { std::apply([&](auto&... from) { (append(to, from), ...); }, batch.lists()); },
+             all.lists());
+  batch = {};
 }
 
 /** Photons of a batch, and their counts. */
@@ -67,15 +70,10 @@ struct ShotBatch {
 void join(std::vector<ShotBatch>& batches, LightPathRecorder* recorder, ShotPhotons& shot) {
   size_t total = 0;
   for (const ShotBatch& batch : batches) total += batch.photons.onSurfaces.size();
-  shot.stored.reserve(total);
+  shot.onSurfaces.reserve(total);
   for (ShotBatch& batch : batches) {
     if (recorder) recorder->append(batch.record);
-    moveTo(shot.stored, batch.photons.onSurfaces);
-    moveTo(shot.inMedia, batch.photons.inMedia);
-    moveTo(shot.beams, batch.photons.beams);
-    moveTo(shot.lengths.onSurfaces, batch.photons.lengths.onSurfaces);
-    moveTo(shot.lengths.inMedia, batch.photons.lengths.inMedia);
-    moveTo(shot.lengths.beams, batch.photons.lengths.beams);
+    moveTo(shot, batch.photons);
     shot.counts.add(batch.counts);
   }
 }

@@ -3,21 +3,12 @@
  */
 #pragma once
 
-#include <vector>
-
 #include "recurse/transport/integrator/integrator.h"
 #include "transport/forward/shootSettings.h"
-#include "transport/media/photonBeams.h"
-#include "transport/media/volumePhotons.h"
-#include "transport/photonmap/photon.h"
 
 namespace recurse {
 
-struct ShotPhotons {
-  std::vector<Photon> stored;        ///< powers are divided by the number of photons emitted
-  std::vector<VolumePhoton> inMedia; ///< normalised like `stored`
-  std::vector<PhotonBeam> beams;     ///< normalised like `stored`
-  PhotonPathLengths lengths;
+struct ShotPhotons : StoredPhotons {
   uint64_t emitted = 0;
   uint64_t emittedHere = 0; ///< emitted by this process, see PhotonSharing
   uint64_t storedHere = 0;  ///< stored by this process, media included

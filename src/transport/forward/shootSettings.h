@@ -1,14 +1,18 @@
 /** @file
- * Settings of the forward pass: the number, starts and storage of photons.
+ * Settings of the forward pass: the number, starts and storage of photons; the photons stored.
  */
 #pragma once
 
+#include <tuple>
 #include <vector>
 
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/lightSampler.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/emission/visibleRegion.h"
+#include "transport/media/photonBeams.h"
+#include "transport/media/volumePhotons.h"
+#include "transport/photonmap/photon.h"
 
 namespace recurse {
 
@@ -19,6 +23,23 @@ struct KeptInMedia {
   float pointPart = 1, beamPart = 1; ///< fractions that are stored, at a power divided by the fraction
 
   bool isByBeams(uint16_t medium) const { return medium < byBeams.size() && byBeams[medium]; }
+};
+
+/** Photons that walks have stored, by kind, in the order of emission. Their powers are divided by the number
+ * of photons emitted. */
+struct StoredPhotons {
+  std::vector<Photon> onSurfaces;
+  std::vector<VolumePhoton> inMedia;
+  std::vector<PhotonBeam> beams;
+  PhotonPathLengths lengths;
+
+  size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
+  auto lists() {
+    return std::tie(onSurfaces, inMedia, beams, lengths.onSurfaces, lengths.inMedia, lengths.beams);
+  }
+  void clear() {
+    std::apply([](auto&... list) { (list.clear(), ...); }, lists());
+  }
 };
 
 struct ShootSettings {

@@ -19,14 +19,8 @@ constexpr size_t BUCKETS = 7, IN_MEDIUM = 6;
 constexpr int MAX_CELL_DEPTH = 24;
 constexpr float UNIFORM = INV_PI / 4; ///< density over the whole sphere [1/sr]
 
-/** Index of the signed axis nearest to a normal: 2 · axis, plus 1 if the direction is negative; IN_MEDIUM for
- * normal 0. */
-size_t bucketOf(const Vec3f& normal) {
-  if (normal == Vec3f(0)) return IN_MEDIUM;
-  const Vec3f n = glm::abs(normal);
-  const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
-  return static_cast<size_t>(2 * axis + (normal[axis] < 0 ? 1 : 0));
-}
+/** Index of the signed axis nearest to a normal; IN_MEDIUM for normal 0. */
+size_t bucketOf(const Vec3f& normal) { return normal == Vec3f(0) ? IN_MEDIUM : signedAxis(normal); }
 
 /** Learns one cell from its records. */
 class CellFit {
@@ -145,7 +139,7 @@ void GuideField::divide(std::span<uint32_t> order, std::span<const GuideRecord> 
   Bounds3f box;
   for (const uint32_t i : order) box.add(records[i].position);
   const Vec3f size = order.empty() ? Vec3f(0) : box.diagonal();
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int axis = widestAxis(size);
   if (order.size() <= MAX_RECORDS || !(size[axis] >= smallest) || !(size[axis] > 0) ||
       depth >= MAX_CELL_DEPTH) {
     nodes[node].next = static_cast<uint32_t>(leaves.size());

@@ -17,7 +17,7 @@ std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, con
   const ShotPhotons shot = shootPhotons(scene, allPaths, pass, shoot, local);
   counts.add(shot.counts);
   std::vector<GuideRecord> records;
-  for (const Photon& p : shot.stored) {
+  for (const Photon& p : shot.onSurfaces) {
     // reverseRatio 0: no ray can hit this light; skip its caustic photons.
     if (p.caustic && !(p.reverseRatio > 0)) continue;
     GuideRecord r;

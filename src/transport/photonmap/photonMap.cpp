@@ -169,8 +169,7 @@ struct PhotonMap::Builder {
 
   /** Distributes the keys to the children [first, last) of a node; `box` is their tight bounding box. */
   void divide(int level, size_t node, size_t first, size_t last, const Bounds3f& box) const {
-    const size_t leavesPerChild = size_t(1) << 3 * (map.levelCount - 1 - level);
-    const size_t begin = node * 8 * leavesPerChild;
+    const size_t leavesPerChild = map.leavesPerChild(level), begin = node * 8 * leavesPerChild;
     if (last - first == 1) {
       Node& n = map.nodes[levelBegin(level) + node];
       for (int axis = 0; axis < 3; ++axis) {
@@ -196,10 +195,7 @@ struct PhotonMap::Builder {
   }
 
   void descend(int level, size_t node, const Bounds3f& box) const {
-    const size_t leavesPerChild = size_t(1) << 3 * (map.levelCount - 1 - level);
-    const size_t begin = node * 8 * leavesPerChild;
-    const size_t children =
-        std::min<size_t>(8, (map.leafCount - begin + leavesPerChild - 1) / leavesPerChild);
+    const size_t children = map.childCount(level, node);
     Node& n = map.nodes[levelBegin(level) + node];
     for (size_t i = children; i < 8; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -209,7 +205,7 @@ struct PhotonMap::Builder {
     }
     divide(level, node, 0, children, box);
     if (level + 1 == map.levelCount)
-      for (size_t i = 0; i < children; ++i) writeLeaf(begin + i);
+      for (size_t i = 0; i < children; ++i) writeLeaf(node * 8 + i);
   }
 
   /** Replaces the keys of a leaf, already in their final order, by the payload. */

@@ -54,9 +54,6 @@ struct FoundPhotons {
  * initial guess of the next: a coherent order makes queries faster, but never changes their results.
  */
 class PhotonScratch {
- public:
-  PhotonScratch() = default;
-
  private:
   friend class PhotonMap;
   FoundPhotons found;
@@ -91,7 +88,6 @@ class PhotonMap {
    * photons of the last build(); for transient renders. */
   void setLengths(std::span<const float> byEmission);
 
-  PhotonIndexKind kind() const { return indexKind; }
   /** Photons in the map; their slots are 0 … size() − 1. */
   size_t size() const { return photonCount; }
   bool empty() const { return photonCount == 0; }
@@ -150,7 +146,6 @@ class PhotonMap {
   }
   Vec3f direction(size_t slot) const { return unpackDirection(packedDirection(slot)); }
   uint8_t pathState(size_t slot) const { return pathStates[slot]; }
-  float reverseRatio(size_t slot) const { return hasReverseRatios ? reverseRatios[slot] : 0; }
   /** Whether setLengths() has followed the last build(). */
   bool hasLengths() const { return !lengths.empty(); }
   float length(size_t slot) const { return lengths[slot]; }

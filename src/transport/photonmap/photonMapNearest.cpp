@@ -23,9 +23,8 @@ float PhotonMap::densityBound(const Vec3f& center, int k) const {
     alignas(32) float d2[8];
     query.boxDistance2(n).store(d2);
     const size_t child = static_cast<size_t>(std::min_element(d2, d2 + 8) - d2);
-    const size_t leavesPerChild = size_t(1) << 3 * (levelCount - 1 - level);
-    const size_t first = (node * 8 + child) * leavesPerChild;
-    const size_t photons = std::min(photonCount, (first + leavesPerChild) * LEAF_SIZE) - first * LEAF_SIZE;
+    const size_t leafCountThere = leavesPerChild(level), first = (node * 8 + child) * leafCountThere;
+    const size_t photons = std::min(photonCount, (first + leafCountThere) * LEAF_SIZE) - first * LEAF_SIZE;
     if (level > 0 && photons * 2 < static_cast<size_t>(k)) break;
     float size[3];
     for (int axis = 0; axis < 3; ++axis) size[axis] = n.upper[axis][child] - n.lower[axis][child];

@@ -60,6 +60,11 @@ template <class T> inline glm::vec<3, T> magnitude(const glm::vec<3, T>& v) {
 template <class T> constexpr int widestAxis(const glm::vec<3, T>& v) {
   return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
 }
+/** Index of the signed axis nearest to a direction: 2 · axis, plus 1 if it is negative. */
+inline size_t signedAxis(const Vec3f& v) {
+  const int axis = widestAxis(magnitude(v));
+  return static_cast<size_t>(2 * axis + (v[axis] < 0));
+}
 inline float absDot(const Vec3f& a, const Vec3f& b) { return std::abs(glm::dot(a, b)); }
 inline bool isFinite(const Vec3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
