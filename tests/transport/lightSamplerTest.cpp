@@ -241,8 +241,8 @@ TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
   EXPECT_EQ(path->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays, 0u);
   PhotonMappingSettings settings;
   settings.photons = 1000;
-  std::unique_ptr<PhotonMapper> each[] = {makePhotonMapping(settings, &lights),
-                                          makePhotonMapping(onlyCaustics(settings), &lights)};
+  std::unique_ptr<PhotonMapping> each[] = {std::make_unique<PhotonMapping>(settings, &lights),
+                                           std::make_unique<PhotonMapping>(onlyCaustics(settings), &lights)};
   for (const auto& photons : each) {
     photons->prepare(*scene, PathClasses());
     const auto pass = [&] {

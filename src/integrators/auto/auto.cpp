@@ -16,7 +16,7 @@ namespace {
 class Auto final : public Integrator {
  public:
   explicit Auto(const PhotonMappingSettings& settings)
-      : settings(settings), mapper(makePhotonMapping(settings, &lights)) {}
+      : settings(settings), mapper(std::make_unique<PhotonMapping>(settings)) {}
 
   Passes passes(int samplesPerPixel) const override { return mapper->passes(samplesPerPixel); }
   uint64_t photonsEmitted(const Scene& scene) const override { return mapper->photonsEmitted(scene); }
@@ -29,16 +29,12 @@ class Auto final : public Integrator {
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
   void prepare(const Scene& scene, const PathClasses& classes) override {
-    learned = {};
-    if (!settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
-      learned = learnLights(scene, lights, settings.without != Mechanism::SHADOW_OPENINGS);
     mapper->prepare(scene, classes);
   }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     if (pass.index == 0) instead.reset();
     ForwardStatistics statistics = chosen().forward(scene, classes, pass, control);
-    statistics.counts.add(std::exchange(learned, {}));
     if (pass.index == 0) {
       const ProcessorTimer timer(statistics.learningSeconds);
       choose(scene, classes, pass, control, statistics);
@@ -115,7 +111,7 @@ class Auto final : public Integrator {
       for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
       return rounds;
     };
-    std::unique_ptr<Integrator> paths = makePathTracing({settings.maxDepth, settings.lightSamples}, &lights);
+    std::unique_ptr<Integrator> paths = makePathTracing({settings.maxDepth, settings.lightSamples}, &mapper->lightSampler());
     paths->prepare(scene, classes);
     const Rounds traced = counted({trial.take(*paths, 0), trial.take(*paths, 1)});
     if (control.stopped()) return; // no note on an incomplete trial
@@ -154,7 +150,7 @@ class Auto final : public Integrator {
     if (control.stopped() || !arePathsBetter(byMap.errorOver(byPaths), withCaustics, statistics.notes))
       return;
     if (withCaustics) {
-      paths = makePhotonMapping(onlyCaustics(settings), &lights);
+      paths = std::make_unique<PhotonMapping>(onlyCaustics(settings), &mapper->lightSampler());
       paths->prepare(scene, classes);
       statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
     }
@@ -185,9 +181,7 @@ class Auto final : public Integrator {
   }
 
   PhotonMappingSettings settings;
-  LightSampler lights;     ///< light sampler of all integrators here
-  TransportCounts learned; ///< counts of light learning, until forward() returns them
-  std::unique_ptr<PhotonMapper> mapper;
+  std::unique_ptr<PhotonMapping> mapper;
   std::unique_ptr<Integrator> instead; ///< replaces `mapper`; null: photons pay
 };
 

@@ -1,208 +1,247 @@
 /** @file
- * photonmap and sppm: the parameters of Recurse's estimate of radiance.
+ * Recurse's estimate of radiance: emitted light, plus the photon maps' estimate at non-delta surfaces, plus
+ * mirror and refracted light, recursively. Direct light comes from shadow rays, or from photons like all
+ * other light. In a progressive render the first non-delta surface of a path weighs the photons of indirect
+ * light against the ray that it sends on.
  */
 #include "integrators/photonmap/photonMapping.h"
-#include "recurse/core/io/text.h"
-#include "recurse/model/scene/plugIns.h"
-#include "transport/integrator/maxDepthParameter.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "transport/density/storedPhotons.h"
+#include "transport/paths/recordedSample.h"
 
 namespace recurse {
 
+ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                         const ForwardControl& control) {
+  ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
+  statistics.counts.add(std::exchange(learned, {}));
+  recordSampler = Sampler(pass.seed, pass.index, 0);
+  const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
+  const bool shared =
+      settings.finalGather > 0 && settings.shareIrradiance && oneClass && !classes.isTransient();
+  irradiances.reset(shared ? photons.indirect().cache.size() : 0);
+  causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
+  return statistics;
+}
+
+void PhotonMapping::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                             PathRadiance& out) const {
+  PathState path;
+  path.walk = startCameraSubpath(scene, out.pathClasses(), ray, out.counts);
+  trace(scene, path, sampler, out);
+}
+
 namespace {
 
-/** Maximum search radius [scene units]. Rays that search for the rim of a surface start at this distance,
- * which must fit single precision in scenes of any size. */
-constexpr double MAX_RADIUS = 1e17;
-
-constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanism::NONE},
-                                                            {"lightlearning", Mechanism::LIGHT_LEARNING},
-                                                            {"shadowopenings", Mechanism::SHADOW_OPENINGS},
-                                                            {"splitting", Mechanism::SPLITTING},
-                                                            {"judgedradii", Mechanism::JUDGED_RADII},
-                                                            {"mergeweights", Mechanism::MERGE_WEIGHTS}};
-
-std::vector<std::string> mechanismNames() {
-  std::vector<std::string> names;
-  for (const auto& [name, mechanism] : MECHANISMS) names.emplace_back(name);
-  return names;
-}
-
-/** Settings that photonmap and sppm share. */
-PhotonMappingSettings common(const Parameters& p) {
-  PhotonMappingSettings s;
-  s.radius = p.hasValue("radius") ? p.real("radius") : 0;
-  s.maxDepth = p.integer("maxdepth");
-  s.directLight = p.string("direct") == "photons";
-  s.lightSamples = p.integer("lightsamples");
-  s.weightLimit = static_cast<float>(p.real("weightlimit"));
-  s.flatness = static_cast<float>(p.real("flatness"));
-  s.guided = p.boolean("guided");
-  s.edges = p.boolean("edges");
-  s.finalGather = p.integer("finalgather");
-  s.shareIrradiance = p.boolean("shareirradiance");
-  s.weighting = GatherWeighting::belowRoughness(p.real("followroughness"));
-  s.kernel = *parseKernel(p.string("kernel"));
-  s.index = *parsePhotonIndex(p.string("photonindex"));
-  s.alpha = p.real("alpha");
-  s.beams = p.string("volumephotons") == "beams";
-  for (const auto& [name, mechanism] : MECHANISMS)
-    if (p.string("without") == name) s.without = mechanism;
-  s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
-  return s;
-}
-
-std::vector<ParameterSpec> densityEstimateParameters() {
-  return {
-      integerParameter("gatherphotons", "",
-                       "number of nearest photons of a density estimate in the first pass. By default 50 to "
-                       "100 for one pass, by the size of a pixel; 8 to 40 for many passes, then adapted to "
-                       "local noise and blur. With a radius alone: all photons within it")
-          .range(1, 1e6),
-      realParameter(
-          "alpha", "0.666666667",
-          "reduction of the radius in progressive renders: the radius of pass i is about i^((alpha-1)/2) "
-          "times the first; between 0 (fastest) and 1 (constant). The error decreases fastest with 2/3")
-          .range(0.01, 1),
-      realParameter(
-          "radius", "",
-          "radius of a density estimate [scene units]; by default chosen from the density of photons")
-          .range(0, MAX_RADIUS)
-          .positive(),
-      realParameter("flatness", "0.2",
-                    "height of the search region divided by its radius: small values avoid light leaks "
-                    "around corners, large values find photons on curved surfaces")
-          .range(1e-3, 1),
-      booleanParameter("edges", "true",
-                       "boundary correction: divide by the area of surface within the radius, which rays "
-                       "measure near edges, walls and on curved surfaces, and in media by the enclosed "
-                       "volume. false: divide by the whole disc, which darkens edges"),
-      stringParameter("kernel", "epanechnikov", "weight of photons by distance")
-          .oneOf({"constant", "cone", "epanechnikov"}),
-      stringParameter("photonindex", "kdtree",
-                      "search structure of the photons; flann is slower, and only for comparison")
-          .oneOf({"kdtree", "flann"})};
-}
-
-std::vector<ParameterSpec> transportParameters() {
-  return {
-      maxDepthParameter("a camera path, and of a photon"),
-      stringParameter("direct", "shadowrays",
-                      "estimator of direct light: shadow rays, or photons as for all other light")
-          .oneOf({"shadowrays", "photons"}),
-      booleanParameter("guided", "true",
-                       "emit photons by a learned mixture of the lights' own sampling and of boxes around "
-                       "surfaces and openings that camera paths meet; unbiased"),
-      integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
-      realParameter("weightlimit", "0.01",
-                    "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
-                    "weight of each is larger; else Russian roulette chooses one")
-          .range(1e-6, 1),
-      stringParameter("volumephotons", "points",
-                      "storage of light in media: points of scattering, or photon beams along flights, in "
-                      "homogeneous media only; beams are sharper in thin media, and slower")
-          .oneOf({"points", "beams"}),
-      realParameter("followroughness", "0.2",
-                    "roughness threshold: a sharper lobe than that of a metal of this roughness is sampled "
-                    "by a ray as for mirrors, although its path class is D; a broader lobe uses the photon "
-                    "map, with MIS of both near the threshold. 0: always the photon map")
-          .range(0, 10),
-      integerParameter("finalgather", "-1",
-                       "final gathering: number of rays from the first non-delta surface of a path; the "
-                       "photon map is read where they end, and at the first surface for caustics only. 0: "
-                       "none; -1: with many passes, one ray where its error is smaller than that of the map")
-          .range(-1, 1e5),
-      booleanParameter(
-          "shareirradiance", "true",
-          "final gather rays read cached irradiance; false: each makes a density estimate of its own. Path "
-          "classes and surfaces that are not diffuse and flat always use density estimates"),
-      stringParameter("without", "nothing",
-                      "for studies of one mechanism, switch it off: lights chosen by position, openings for "
-                      "shadow rays, splitting of strong photons, radii chosen by error, MIS weights of "
-                      "photons and rays")
-          .oneOf(mechanismNames())};
-}
-
-/** Adds the parameters that photonmap and sppm share. */
-std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> all) {
-  for (const auto& shared : {densityEstimateParameters(), transportParameters()})
-    all.insert(all.end(), shared.begin(), shared.end());
-  return all;
+/** Roulette of a camera path on arrival at a non-delta vertex. */
+bool survives(PathState& path, Sampler& sampler) {
+  return cameraRoulette(path.walk.etaScale, path.walk.depth, sampler, path.walk.throughput,
+                        path.remainingWeight);
 }
 
 } // namespace
 
-std::vector<ParameterSpec> photonMappingParameters() {
-  return parameters(
-      {integerParameter(
-           "photons", "",
-           "number of photons emitted in each pass, if `passes` is set too; by default 1000000 "
-           "for one pass, and for many passes one for each pixel, from 65536 to 262144, and up to "
-           "4 times as many where few of them are stored. Without `passes` it is the size of a "
-           "single map, and a progressive render ignores it")
-           .range(1, 2e9),
-       integerParameter("passes", "",
-                        "number of photon maps, each with new photons, a smaller radius and its part of the "
-                        "samples; 0: one for each sample (default); 1: one classic photon map")
-           .range(0, 1e9)});
+bool hasMediaWithoutEnd(const Scene& scene) {
+  if (!scene.hasEmissiveMedia()) return false;
+  TransportCounts counts;
+  const Medium* outside = scene.medium(mediumOutside(scene, counts));
+  return outside && outside->isEmissive() && !(glm::length(outside->bounds().diagonal()) < INFINITE);
 }
 
-PhotonMappingSettings photonMappingSettings(const Parameters& p) {
-  PhotonMappingSettings s = common(p);
-  if (p.hasValue("passes") && p.integer("passes") > 0) s.passes = Passes::fixed(p.integer("passes"));
-  if (p.hasValue("photons") && p.hasValue("passes")) s.photons = static_cast<uint64_t>(p.integer("photons"));
-  return s;
+bool mediaOnlyAbsorb(const Scene& scene) {
+  for (size_t i = 1; i <= scene.mediumCount(); ++i) {
+    const Medium& medium = *scene.medium(static_cast<uint16_t>(i));
+    if (!medium.isHomogeneous() || medium.isEmissive() || !isBlack(medium.at(Vec3f(0)).scattering))
+      return false;
+  }
+  return true;
 }
 
-PhotonMappingSettings onlyCaustics(PhotonMappingSettings settings) {
-  settings.causticsOnly = true;
-  settings.directLight = false;
-  settings.finalGather = -1;
-  return settings;
+void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
+  CameraWalker walker(scene, out.pathClasses(), out.counts, -1, InMedia::PASS);
+  CameraVertex vertex;
+  const auto emission = [&](const Hit* hit) {
+    if (hit)
+      addEmission(scene, path, *hit, out);
+    else
+      addEnvironment(scene, path, out);
+  };
+  const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
+  for (;;) {
+    path.walk.needed = path.weights.share == 0 && path.weights.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
+    if (!walker.next(
+            path.walk, vertex, sampler, emission, [](const Rgb&) {}, flight))
+      return;
+    if (settings.maxDepth >= 0 && path.walk.depth > settings.maxDepth) {
+      out.counts.truncatedThroughput += double(maxComponent(path.sharedThroughput()));
+      return;
+    }
+    path.distance += glm::distance(path.walk.from, vertex.point().position);
+    if (out.recorder)
+      path.recordedVertex = out.recorder->addVertex(path.recordedStep, vertex.hit, path.walk.ray.direction,
+                                                    vertex.scattering->lobes(), path.sharedThroughput());
+    if (vertex.scattering->hasNonDelta()) addNonDelta(scene, walker, path, vertex, sampler, out);
+    if (!followDelta(scene, walker, path, vertex, sampler, out)) return;
+  }
 }
 
-void registerPhotonMapping(PlugIns& plugIns) {
-  std::vector<ParameterSpec> all = photonMappingParameters();
-  all.push_back(booleanParameter(
-      "causticsonly", "false",
-      "use photons for caustics only; rays find all other light. In media that scatter or emit "
-      "light, `path` takes its place"));
-  plugIns.integrators.add(
-      {{.name = "photonmap",
-        .summary = "Photon mapping: emitted light and the photon map at diffuse surfaces; mirrors and glass "
-                   "are followed recursively.",
-        .parameters = all,
-        .examples = {"",
-                     "\"integer passes\" 1 \"integer photons\" 20000 \"string direct\" \"photons\" \"float "
-                     "radius\" .1",
-                     "\"integer passes\" 1 \"integer photons\" 20000 \"integer finalgather\" 4",
-                     "\"bool causticsonly\" true"}},
-       [](const Parameters& p, const NoContext&) -> std::unique_ptr<Integrator> {
-         const PhotonMappingSettings s = photonMappingSettings(p);
-         if (!p.boolean("causticsonly")) return makePhotonMapping(s);
-         if (s.directLight)
-           p.warn("direct", "with \"causticsonly\", shadow rays always estimate direct light");
-         return makePhotonMapping(onlyCaustics(s));
-       }});
-  plugIns.integrators.add(
-      {{.name = "sppm",
-        .summary =
-            "photonmap with the parameters of sppm in pbrt files: progressive, one pass for each sample.",
-        .parameters =
-            parameters({integerParameter("photonsperiteration", "-1",
-                                         "number of photons emitted in each pass; -1: one for each pixel, "
-                                         "from 65536 to 262144, and up "
-                                         "to 4 times as many where few of them are stored")
-                            .range(-1, 2e9),
-                        integerParameter("photons", "", "the name of \"photons\" in photonmap").range(1, 2e9),
-                        ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed is used"),
-                        ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
-        .examples = {""}},
-       [](const Parameters& p, const NoContext&) {
-         PhotonMappingSettings s = common(p);
-         const int n = p.hasValue("photons") ? p.integer("photons") : p.integer("photonsperiteration");
-         s.photons = n > 0 ? static_cast<uint64_t>(n) : 0;
-         return makePhotonMapping(s);
-       }});
+bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, PathState& path,
+                                const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  const ScatteringPoint& scattering = *vertex.scattering;
+  if (!scattering.hasDelta() || out.pathClasses().dead(vertex.afterS)) return false;
+  path.weights.merge.arrive(path.walk.ray.direction, vertex.point());
+  // Maximum number of events after which a path splits. In a stack of panes every branch passes all panes
+  // again.
+  constexpr int MAX_SPLITTING_DEPTH = 8;
+  std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+  const int count = scattering.deltaScatters(vertex.wi, Transport::RADIANCE, all);
+  float weights[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
+  const float scale = path.remainingWeight * path.walk.etaScale;
+  for (int i = 0; i < count; ++i) {
+    const Scatter& s = all[size_t(i)];
+    weights[i] = maxComponent(path.walk.throughput * s.weight) * square(s.eta) * scale;
+    total += weights[i];
+    if (weights[i] > 0) least = std::min(least, weights[i]);
+  }
+  if (!(total > 0)) return false;
+  const auto after = [&](const Scatter& s) {
+    PathState next = path.afterDelta(walker, vertex, s, passesPane(scene, scattering, s));
+    recordStep(vertex, s, next, out);
+    return next;
+  };
+  int next = 0;
+  // A branch under roulette may be the image of a light, which no other technique finds behind fog.
+  if (path.nonDelta == 0 && least * path.mediaScale >= settings.weightLimit &&
+      path.walk.depth <= MAX_SPLITTING_DEPTH) {
+    for (int i = 1; i < count; ++i) {
+      Sampler branch = sampler.fork(static_cast<uint32_t>(i));
+      trace(scene, after(all[size_t(i)]), branch, out);
+    }
+  } else {
+    float u = count > 1 ? sampler.next1D() * total : 0;
+    while (next + 1 < count && u >= weights[next]) u -= weights[next++];
+    if (!(weights[next] > 0)) return false;
+    path.walk.throughput *= total / weights[next];
+    // Long walks use their full weight, which may need thousands of events to fall below the limit.
+    const float chance = path.walk.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
+    if (!russianRoulette(std::min(1.0f, chance), path.walk.depth, sampler, path.walk.throughput))
+      return false;
+  }
+  path = after(all[size_t(next)]);
+  return true;
+}
+
+void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path,
+                                const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  if (!vertex.scattering->keepsPhotons()) {
+    addByRays(scene, walker, path, vertex, sampler, out);
+    return;
+  }
+  path.walk.state = vertex.afterD;
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
+  VertexEstimates at;
+  at.direct = std::exchange(path.weights.direct, {});
+  at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
+  at.direct.unknownWeight = std::exchange(path.weights.share, 1);
+  if (!settings.directLight) {
+    at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
+    addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
+  }
+  at.directWeight = path.remainingWeight;
+  path.remainingWeight *= at.direct.unknownWeight;
+  if (at.direct.unknownWeight > 0) addFromMaps(scene, path, vertex, sampler, at, out);
+
+  const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
+  path.walk.throughput /= static_cast<float>(rays);
+  for (int i = 0; i < rays && !out.abandoned(); ++i)
+    followNonDelta(scene, walker, path, vertex, at,
+                   sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i)), out);
+}
+
+void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const CameraVertex& vertex,
+                                const Sampler& sampler, VertexEstimates& at, PathRadiance& out) const {
+  const auto query = [&](const PhotonLayer& layer) {
+    return photons.query(layer, vertex.point(), vertex.wi);
+  };
+  PhotonQuery caustics = query(photons.caustics()), indirect;
+  if (!settings.causticsOnly) indirect = query(photons.indirect());
+  caustics.settings.expected = caustics.expected + indirect.expected;
+  at.causticMergeDensity =
+      addPhotons(scene, photons.caustics(), causticIrradiances, caustics, vertex, path, sampler, out)
+          .mergeDensity;
+  if (settings.causticsOnly) {
+    at.indirect.unknownWeight = 0;
+    return;
+  }
+  weighIndirect(path, indirect);
+  const GatherSettings& gather = indirect.settings;
+  at.weighsIndirect = gather.weighedAgainstRays;
+  at.indirect.mergeDensity = gather.mergeDensity;
+  at.indirect.unknownWeight = gather.unknownWeight;
+  if (gather.unknownWeight > 0 || gather.mergeDensity > 0)
+    at.indirect = addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
+}
+
+void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walker, const PathState& path,
+                                   const CameraVertex& vertex, const VertexEstimates& at, Sampler sampler,
+                                   PathRadiance& out) const {
+  const ScatteringPoint& scattering = *vertex.scattering;
+  const std::optional<Scatter> s = scattering.scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler);
+  if (!s) return;
+  PathState next = path.afterNonDelta(walker, vertex, *s);
+  recordStep(vertex, *s, next, out);
+  RayWeights& weights = next.weights = {};
+  weights.byRays = at.byRays;
+  // Estimates at Lambertian surfaces use photons of all directions.
+  weights.lightShare = at.byRays                         ? 1
+                       : scattering.lobes() & LAMBERTIAN ? 0
+                                                         : settings.weighting.followed(s->pdf);
+  weights.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - weights.lightShare) : 0;
+  if (at.weighsIndirect)
+    weights.direct = {1 - weights.lightShare,
+                      MergeRatio(at.indirect.mergeDensity, s->pdf, s->direction, vertex.point())};
+  if (at.direct.merged > 0)
+    weights.shared = {at.direct, at.directWeight, scattering.pdfNonDelta(s->direction, vertex.wi),
+                      absDot(s->direction, vertex.point().geometricNormal)};
+  if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
+  weights.merge = MergeRatio(at.causticMergeDensity, s->pdf, s->direction, vertex.point());
+  if (weights.share > 0 || weights.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
+}
+
+void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
+                              const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+  path.walk.state = vertex.afterD;
+  path.remainingWeight *= std::exchange(path.weights.share, 1);
+  path.weights.direct = {};
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
+  VertexEstimates at;
+  at.byRays = true;
+  at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
+  at.indirect.unknownWeight = 0;
+  addDirectLight(scene, path, at.context, {}, vertex, sampler, out);
+  followNonDelta(scene, walker, path, vertex, at, sampler.fork(DeltaScatters::MAX_COUNT + 2), out);
+}
+
+void PhotonMapping::recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next,
+                               PathRadiance& out) {
+  if (!out.recorder) return;
+  next.recordedStep =
+      out.recorder->addStep(recordedStep(next.recordedVertex, s, next.sharedThroughput(),
+                                         vertex.scattering->pdfNonDelta(s.direction, vertex.wi)));
+}
+
+void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const {
+  visitMap(photons.caustics().map, true, visit);
+  visitMap(photons.indirect().map, false, visit);
+}
+
+void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const {
+  visitMapBoxes(photons.caustics().map, true, levels, visit);
+  visitMapBoxes(photons.indirect().map, false, levels, visit);
 }
 
 } // namespace recurse

@@ -1,7 +1,7 @@
 /** @file
  * Path classes that each estimator of photon mapping finds.
  */
-#include "integrators/photonmap/photonMappingIntegrator.h"
+#include "integrators/photonmap/photonMapping.h"
 
 namespace recurse {
 

@@ -1,7 +1,7 @@
 /** @file
  * Emitted light that a camera path of the photon mapping estimator hits, and shadow rays.
  */
-#include "integrators/photonmap/photonMappingIntegrator.h"
+#include "integrators/photonmap/photonMapping.h"
 #include "transport/direct/recordedLight.h"
 
 namespace recurse {

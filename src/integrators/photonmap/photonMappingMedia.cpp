@@ -1,7 +1,7 @@
 /** @file
  * Light of media along a camera path of the photon mapping estimator.
  */
-#include "integrators/photonmap/photonMappingIntegrator.h"
+#include "integrators/photonmap/photonMapping.h"
 
 #include "transport/direct/lightAlongRay.h"
 

@@ -1,7 +1,7 @@
 /** @file
  * Estimates by photon maps at the vertices of a camera path of the photon mapping estimator.
  */
-#include "integrators/photonmap/photonMappingIntegrator.h"
+#include "integrators/photonmap/photonMapping.h"
 
 namespace recurse {
 
