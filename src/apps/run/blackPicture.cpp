@@ -269,8 +269,7 @@ class DarkScene {
           sample && !isBlack(sample->radiance) &&
           (vertex.medium || !isBlack(vertex.scattering->evaluate(vertex.wi, sample->direction)));
       if (mayScatter && !isBlack(transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
-                                               panesLeft(-1, vertex.depth), own)
-                                     .value))
+                                               panesLeft(-1, vertex.depth), own)))
         return true;
       if (!walker.scatter(path, vertex, sampler)) break;
     }

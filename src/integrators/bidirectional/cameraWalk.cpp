@@ -188,14 +188,14 @@ class Bidirectional::CameraWalk {
         vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction) * sample->radiance / pdf;
     if (isBlack(radiance)) return;
     panes.clear();
-    CameraState state = vertex.afterD;
-    const Transmittance free =
+    PaneSteps steps{classes, vertex.afterD};
+    const Rgb free =
         transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
                       panesLeft(owner.settings.maxDepth, vertex.depth), out.counts, [&](const Hit& pane) {
                         panes.push_back(pane.point);
-                        state = stepThroughPane(classes, state, pane);
+                        steps(pane);
                       });
-    if (isBlack(free.value)) return;
+    if (isBlack(free)) return;
     double next = vertex.pdfDirection(direction);
     copyVertices();
     x[x.size() - 2].fromLight = vertex.pdfPrevious(direction);
@@ -220,7 +220,7 @@ class Bidirectional::CameraWalk {
       out.recorder->source.panes = static_cast<int>(panes.size());
       recordWeights(full);
     }
-    out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight,
+    out.add(classes.lightStart(choice.chosen.index), steps.state, radiance * free * weight,
             lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), *sample));
   }
 

@@ -283,16 +283,12 @@ class PathTracing final : public Integrator {
           addSampled(v, *shadows[i].light, shadows[i].chosen, v.cameraD, 0, shadows[i].radiance);
           continue;
         }
-        CameraState state = v.cameraD;
-        int panes = 0;
-        const Transmittance free =
-            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
-                         panesLeft(settings.maxDepth, v.path->depth), counts, [&](const Hit& pane) {
-                           state = stepThroughPane(classes, state, pane);
-                           ++panes;
-                         });
-        if (!isBlack(free.value))
-          addSampled(v, *shadows[i].light, shadows[i].chosen, state, panes, shadows[i].radiance * free.value);
+        PaneSteps steps{classes, v.cameraD};
+        const Rgb free = throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
+                                      panesLeft(settings.maxDepth, v.path->depth), counts, steps);
+        if (!isBlack(free))
+          addSampled(v, *shadows[i].light, shadows[i].chosen, steps.state, steps.panes,
+                     shadows[i].radiance * free);
       }
     }
 

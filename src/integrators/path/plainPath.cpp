@@ -78,19 +78,17 @@ class PlainPath {
     add(light, path.throughput * emitted, length);
   }
   void addHitLight(const Hit& hit) {
-    const SpectralPath spectral = path.spectral();
     addEmission(hit, classes.lightStart(hit.lightIndex),
                 emittedRadiance(scene, lights, hit, path.ray.direction, last, settings.lightSamples,
-                                scene.hasMedia() ? &spectral : nullptr),
+                                scene.hasMedia() ? &path : nullptr),
                 path.optical.length);
   }
   void addEnvironment() {
-    const SpectralPath spectral = path.spectral();
     const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, path.ray.direction));
     for (size_t i = 0; i < scene.environment().size(); ++i)
       addEmission(i, classes.lightStart(scene.environmentIndices()[i]),
                   environmentRadiance(scene, lights, i, path.ray.direction, last, settings.lightSamples,
-                                      scene.hasMedia() ? &spectral : nullptr),
+                                      scene.hasMedia() ? &path : nullptr),
                   length);
   }
   void recordMediumEmission() const {

@@ -46,9 +46,8 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Re
   if (!light || !(light->pdf > 0)) return 0;
   const float facing = glm::dot(record.normal, light->direction);
   if (facing <= 0 && !record.bothSides) return 0;
-  const Transmittance free =
-      transmittance(scene, hit, record.normal, *light, Nesting(), panesLeft(-1, 0), counts);
-  return double(channelSum(light->radiance * free.value) * std::abs(facing) /
+  const Rgb free = transmittance(scene, hit, record.normal, *light, Nesting(), panesLeft(-1, 0), counts);
+  return double(channelSum(light->radiance * free) * std::abs(facing) /
                 (light->pdf * choice.chosen.probability));
 }
 

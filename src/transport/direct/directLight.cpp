@@ -21,7 +21,7 @@ float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralP
 template <class Passed>
 void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,
                           const LiSample& light, int hero, int maxPanes, Sampler& sampler,
-                          SpectralTransmittance& sum, TransportCounts& counts, const Passed& passed) {
+                          SpectralTransmittance& sum, TransportCounts& counts, Passed& passed) {
   Ray ray = shadowRay(from.point, light);
   if (ray.direction == Vec3f(0)) return;
   const bool panes = maxPanes > 0 && hasPanes(scene);
@@ -31,7 +31,6 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
     return;
   }
   nesting.scatters(from, wi, light.direction);
-  constexpr float MIN_REST = 1 - 16 * std::numeric_limits<float>::epsilon(); // as in shadowRay()
   BsdfArena arena;
   Hit hit;
   for (int count = 0;;) {
@@ -54,11 +53,7 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
       passed(hit);
     }
     nesting.enterMedium(hit, light.direction);
-    // Keeps the direction: if aimed at the target again, a ray could turn back to a surface that it grazes.
-    ray.origin = originBehind(ray, hit);
-    if (light.distance < INFINITE)
-      ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
-    if (!(ray.tMax > 0)) return;
+    if (!passBehind(ray, hit, light)) return;
   }
 }
 
@@ -84,13 +79,9 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
   if (isBlack(f)) return;
   SpectralTransmittance through;
   const PathClasses& classes = out.pathClasses();
-  CameraState state = vertex.state;
-  int panes = 0;
+  PaneSteps steps{classes, vertex.state};
   transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero, maxPanes, sampler,
-                       through, out.counts, [&](const Hit& pane) {
-                         state = stepThroughPane(classes, state, pane);
-                         ++panes;
-                       });
+                       through, out.counts, steps);
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
   const float bsdfPdf = !light.unhittable && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
@@ -100,10 +91,10 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                       vertex.pdfReverse(light.direction),
                       recorded::weightOf(through.lightPdf * pdf, density));
     recorder->source.vertexPdf = vertex.pdf(light.direction);
-    recorder->source.panes = panes;
+    recorder->source.panes = steps.panes;
   }
   density *= vertex.path.pathPdf;
-  out.add(classes.lightStart(index), state,
+  out.add(classes.lightStart(index), steps.state,
           vertex.path.throughput * f * light.radiance * through.value * (3 / channelSum(density)),
           vertex.scattering
               ? lengthToLight(scene, vertex.optical, *vertex.scattering, vertex.wi, vertex.hit.point, light)
@@ -124,33 +115,28 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     Rgb radiance =
         unshadowedRadiance(scattering, wi, throughput, *light, choice.chosen.probability, samples, allowed);
     if (isBlack(radiance)) continue;
-    Transmittance free;
-    CameraState state = cameraState;
-    int panes = 0;
-    const auto passPane = [&](const Hit& pane) {
-      state = stepThroughPane(classes, state, pane);
-      ++panes;
-    };
+    Rgb free;
+    PaneSteps steps{classes, cameraState};
     if (scene.hasMedia()) {
       SpectralTransmittance through;
       transmittanceToLight(scene, hit, wi, nesting, *light, NO_HERO, maxPanes, sampler, through, out.counts,
-                           passPane);
-      free.value = through.value;
+                           steps);
+      free = through.value;
     } else {
-      free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts, passPane);
+      free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts, steps);
     }
-    if (isBlack(free.value)) continue;
+    if (isBlack(free)) continue;
     if (out.recorder) {
       recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
                         choice.chosen.probability, samples, allowed);
-      out.recorder->source.panes = panes;
+      out.recorder->source.panes = steps.panes;
     }
     if (weight) {
-      const float against = weight(choice.chosen, *light, panes);
+      const float against = weight(choice.chosen, *light, steps.panes);
       if (out.recorder) out.recorder->source.weight *= against;
       radiance *= against;
     }
-    out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value,
+    out.add(classes.lightStart(choice.chosen.index), steps.state, radiance * free,
             lengthToLight(scene, optical, scattering, wi, hit.point, *light));
   }
 }

@@ -173,8 +173,8 @@ inline void addDirectLight(const Scene& scene, const LightSampler& lightSampler,
   if (scene.hasMedia())
     addSampledLightInMedia(scene, lightSampler, context,
                            {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                            vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
-                            true, path.optical, vertex.guide},
+                            vertex.wi, ALL_LOBES, path.nesting, path, path.hero, vertex.afterD, true,
+                            path.optical, vertex.guide},
                            samples, maxPanes, sampler, out);
   else
     addSampledLight(scene, lightSampler, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,

@@ -67,7 +67,7 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
   if (!vertex.isConnectable() || scene.lights().size() == 0 || !classes.isLit(vertex.afterD, false)) return;
   const LightSampleContext context = lightSampleContext(lights, vertex.point(), vertex.wi);
   addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, nesting, vertex.wi,
-                  vertex.throughput, vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, NO_PANES, sampler, out);
+                  vertex.throughput, vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, 0, sampler, out);
   if (scene.contents().areaLights + scene.contents().environmentLights > 0)
     addBsdfRay(scene, lights, context, vertex, nesting, sampler, out);
 }

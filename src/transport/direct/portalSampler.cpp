@@ -190,8 +190,7 @@ PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, Tr
         const Rgb seen = path.throughput * scattering.evaluate(vertex.wi, s->direction) * s->radiance;
         if (isBlack(seen)) continue;
         const Rgb free = transmittance(scene, vertex.hit, vertex.wi, *s, path.nesting,
-                                       std::numeric_limits<int>::max(), pathCounts)
-                             .value;
+                                       std::numeric_limits<int>::max(), pathCounts);
         const auto arriving = double(maxComponent(seen * free)), estimate = arriving / double(s->pdf);
         if (!(estimate > 0)) continue;
         radiance += estimate;

@@ -74,8 +74,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
     BsdfRay last;
     const auto emission = [&](const Hit* hit) {
       const Vec3f& direction = path.ray.direction;
-      const SpectralPath spectral = path.spectral();
-      const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
+      const SpectralPath* inMedia = scene.hasMedia() ? &path : nullptr;
       recorder.add(
           path.throughput *
           (hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)

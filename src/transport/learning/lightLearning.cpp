@@ -77,8 +77,8 @@ void look(const Scene& scene, const LightSampler& sampler, const CameraVertex& v
                          std::min(static_cast<float>(pick), ONE_MINUS_EPSILON), u);
     double e = light ? irradianceBy(*light, normal, both) * clusters / probability : 0;
     if (e > 0)
-      e *= double(maxComponent(
-          transmittance(scene, hit, vertex.wi, *light, nesting, panesLeft(-1, 0), counts).value));
+      e *= double(
+          maxComponent(transmittance(scene, hit, vertex.wi, *light, nesting, panesLeft(-1, 0), counts)));
     sum += e;
     if (keeps * sum < e) kept = leaf;
   }

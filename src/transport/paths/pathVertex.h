@@ -29,13 +29,13 @@ template <> struct WalkSide<LightState> {
   static constexpr Transport TRANSPORT = Transport::FLUX, REVERSE = Transport::RADIANCE;
 };
 
-/** Subpath between two vertices: it has left a vertex, and its ray is about to find the next one. */
-template <class State> struct Subpath {
+/** Subpath between two vertices: it has left a vertex, and its ray is about to find the next one. Its
+ * throughput is importance or flux, over the density of all sampling decisions. */
+template <class State> struct Subpath : SpectralPath {
   Ray ray;
-  Rgb throughput{1}; ///< importance or flux, over the density of all sampling decisions
-  State state{};     ///< state of the path-class automaton
-  Nesting nesting;   ///< dielectrics and media that contain the ray's origin
-  int depth = 0;     ///< number of scattering events of the subpath
+  State state{};   ///< state of the path-class automaton
+  Nesting nesting; ///< dielectrics and media that contain the ray's origin
+  int depth = 0;   ///< number of scattering events of the subpath
   /** Density of the ray's direction [1/sr]; for parallel rays, of their position across them [1/area]. */
   double pdf = 1;
   bool parallel = false;    ///< the ray starts at an infinite light, or at a camera with parallel rays
@@ -49,11 +49,7 @@ template <class State> struct Subpath {
   float wavelength = 0;     ///< wavelength of dispersed light [nm]; 0: white light
   OpticalPath optical;      ///< up to the ray's origin; up to the next vertex once it is found
   LobeSet needed = NO_LOBE; ///< the path ends at a material without any of these lobes; NO_LOBE: at none
-  // Spectral state in media:
-  Rgb pathPdf{1}, lightPdf{1}; ///< see SpectralPath, whose third member is `throughput`
-  int hero = 0;                ///< colour channel that draws distances
-
-  SpectralPath spectral() const { return {throughput, pathPdf, lightPdf}; }
+  int hero = 0;             ///< colour channel that draws distances in media
 };
 
 /** Vertex of a walk: a point of scattering at a surface or in a medium. */

@@ -134,14 +134,16 @@ inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, 
   return bsdfAt(hit, footprint, arena);
 }
 
+/** Part of the way to a light that shadow rays test: less than 1 by rounding errors. */
+constexpr float REST = 1 - 16 * std::numeric_limits<float>::epsilon();
+
 /** Shadow ray from the point to `target`, or to infinity in that direction, which is unoccluded if the light
  * is visible. Its direction is zero where both points coincide. */
 inline Ray shadowRay(const SurfacePoint& from, const LiSample& light) {
   const Vec3f origin = from.rayOrigin(light.direction);
   const bool endless = light.distance == INFINITE;
   // The target is displaced from its own surface; the shortened limit covers rounding along the ray.
-  return {origin, endless ? light.direction : light.target - origin,
-          endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon(), from.time};
+  return {origin, endless ? light.direction : light.target - origin, endless ? INFINITE : REST, from.time};
 }
 
 /** Dielectrics that contain the origin of this ray. */
@@ -191,15 +193,6 @@ inline Rgb paneTransmittance(const ScatteringPoint& scattering, const Vec3f& wi)
   return sum;
 }
 
-/** Transmittance between a light and a point. Each pane along the shadow ray is an S event of the path. */
-struct Transmittance {
-  Rgb value{0};
-  int panes = 0;
-};
-
-/** Value of maxPanes for estimators with other techniques for light behind panes. */
-constexpr int NO_PANES = 0;
-
 /** Number of panes that a shadow ray may pass from the surface that is event number `depth` of its path. A
  * maxDepth of -1 means any number. */
 inline int panesLeft(int maxDepth, int depth) {
@@ -217,61 +210,74 @@ inline SurfaceKind surfaceKind(const PathClasses& classes, const Hit& hit) {
   return classes.surfaceKind(hit.object, hit.material ? hit.material->number : 0);
 }
 
-/** State of a camera path that a shadow ray continues through a pane. */
-inline CameraState stepThroughPane(const PathClasses& classes, CameraState state, const Hit& pane) {
-  return classes.step(state, PathEvent::S, surfaceKind(classes, pane));
-}
+/** Camera path that a shadow ray continues through thin panes, each an S event of the path. */
+struct PaneSteps {
+  const PathClasses& classes;
+  CameraState state;
+  int panes = 0;
+  void operator()(const Hit& pane) {
+    state = classes.step(state, PathEvent::S, surfaceKind(classes, pane));
+    ++panes;
+  }
+};
 
 /** State of light that a medium emits. */
 inline LightState startInMedium(const Scene& scene, const PathClasses& classes, uint16_t medium) {
   return classes.lightStart(scene.lights().size() + medium - 1);
 }
 
+/** Moves a shadow ray behind a surface. It keeps its direction: if aimed at the target again, it could turn
+ * back to a surface that it grazes. Returns false at its end. */
+inline bool passBehind(Ray& ray, const Hit& hit, const LiSample& light) {
+  ray.origin = originBehind(ray, hit);
+  if (light.distance < INFINITE)
+    ray.tMax = REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
+  return ray.tMax > 0;
+}
+
 /** Transmittance along an occluded shadow ray: up to `maxPanes` thin panes, and the surfaces hidden by nested
  * dielectrics, transmit light. `nesting` is the state of the walk that arrived at the point from `wi`. Calls
  * passed(const Hit&) for each pane on the ray. */
-template <class Passed = IgnorePane>
-Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
-                           const LiSample& light, Nesting nesting, int maxPanes, TransportCounts& counts,
-                           const Passed& passed = {}) {
+template <class Passed>
+Rgb throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi, const LiSample& light,
+                 Nesting nesting, int maxPanes, TransportCounts& counts, Passed&& passed) {
   const bool panes = maxPanes > 0 && hasPanes(scene);
-  if (!panes && scene.nestedIndices().empty()) return {};
-  Transmittance sum{Rgb(1), 0};
+  if (!panes && scene.nestedIndices().empty()) return BLACK;
+  Rgb value(1);
   nesting.scatters(from, wi, light.direction);
   BsdfArena arena;
   Hit hit;
+  int count = 0;
   while (panes ? intersect(scene, ray, hit, counts) : intersectPosition(scene, ray, hit, counts)) {
     if (hit.material && !(isNested(hit) && !nesting.isTrueIntersection(scene, hit, light.direction))) {
-      if (sum.panes++ == maxPanes || !panes) return {};
+      if (count++ == maxPanes || !panes) return BLACK;
       arena.reset();
       const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
-      if (!bsdf) return {};
-      sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
-      if (isBlack(sum.value)) return {};
+      if (!bsdf) return BLACK;
+      value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
+      if (isBlack(value)) return BLACK;
       passed(hit);
     }
-    ray = shadowRay(hit.point, light);
-    if (ray.direction == Vec3f(0)) break;
+    if (!passBehind(ray, hit, light)) break;
   }
-  return sum;
+  return value;
 }
 
 /** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const
  * Hit&) for each pane on the ray. */
 template <class Passed = IgnorePane>
-Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
-                            const Nesting& nesting, int maxPanes, TransportCounts& counts,
-                            const Passed& passed = {}) {
+Rgb transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
+                  const Nesting& nesting, int maxPanes, TransportCounts& counts, Passed&& passed = {}) {
   ++counts.rays;
   const Ray ray = shadowRay(from.point, light);
-  if (ray.direction == Vec3f(0) || !scene.occluded(ray)) return {Rgb(1), 0};
+  if (ray.direction == Vec3f(0) || !scene.occluded(ray)) return Rgb(1);
   return throughPanes(scene, ray, from, wi, light, nesting, maxPanes, counts, passed);
 }
 
 /** True if no scattering surface, not even a thin pane, is between the light and the point. */
 inline bool visible(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                     const Nesting& nesting, TransportCounts& counts) {
-  return !isBlack(transmittance(scene, from, wi, light, nesting, 0, counts).value);
+  return !isBlack(transmittance(scene, from, wi, light, nesting, 0, counts));
 }
 
 } // namespace recurse

@@ -158,12 +158,8 @@ template <class State> class Walker {
     flight(number, end);
     if (!scatters) return false;
     const float before = channelSum(path.throughput);
-    SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
     const Collision c =
-        sampleCollision(*medium, path.ray, end, path.hero, ABSORPTION, sampler, spectral, emission);
-    path.throughput = spectral.throughput;
-    path.pathPdf = spectral.pathPdf;
-    path.lightPdf = spectral.lightPdf;
+        sampleCollision(*medium, path.ray, end, path.hero, ABSORPTION, sampler, path, emission);
     if (!c.scatters || isBlack(path.throughput)) return false;
     // The mean of the channels keeps fluxes nearly equal: it is constant where single channels fluctuate with
     // their densities.
