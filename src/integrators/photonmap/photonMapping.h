@@ -19,7 +19,7 @@ struct PhotonMappingSettings : PhotonPassSettings {
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance cached at records
   int finalGather =
       -1; ///< rays from a path's first non-delta surface; 0: none; -1: one, where it is more efficient
-  float weightLimit = 0.01f;
+  float weightLimit = 0.001f;
 };
 
 /** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;

@@ -93,7 +93,7 @@ std::vector<ParameterSpec> transportParameters() {
                        "emit photons by a learned mixture of the lights' own sampling and of boxes around "
                        "surfaces and openings that camera paths meet; unbiased"),
       integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
-      realParameter("weightlimit", "0.01",
+      realParameter("weightlimit", "0.001",
                     "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
                     "weight of each is larger; else Russian roulette chooses one")
           .range(1e-6, 1),
