@@ -385,10 +385,12 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
     bool escaped = false;
     if (!findLight(scene, point, light->direction, *chosen.light, hit, escaped)) continue;
     const BsdfRay ray{place, scattering.pdf(wi, light->direction, allowed), true};
-    const Rgb weighted = escaped ? environmentRadiance(scene, guide, light->direction, ray, n)
-                                 : emittedRadiance(scene, guide, hit, light->direction, ray, n),
-              plain = escaped ? environmentRadiance(scene, guide, light->direction, {}, n)
-                              : emittedRadiance(scene, guide, hit, light->direction, {}, n);
+    Rgb weighted, plain;
+    forLightHits(scene, guide, escaped ? nullptr : &hit, spawn(point, light->direction), ray, n, nullptr,
+                 [&](const LightHit& found) {
+                   weighted += found.weighted;
+                   plain += found.radiance;
+                 });
     // One colour at a time: the two skies have no colour in common.
     for (int c = 0; c < 3; ++c)
       if (alone[c] > 0) {
@@ -403,7 +405,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
 } // namespace
 
 /** Direct light by addSampledLight is equal to shadow rays alone times one minus the weight that
- * emittedRadiance or environmentRadiance gives to a BSDF ray of the same path. */
+ * lightHit() gives to a BSDF ray of the same path. */
 TEST(MultipleImportanceSampling, WeightsSumToOne) {
   const PathClasses classes;
   const CameraState eye = classes.step(classes.cameraStart(), PathEvent::D);

@@ -172,15 +172,11 @@ class PathTracing final : public Integrator {
         Hit& hit = hits[i];
         const Vec3f direction = rays[i].direction;
         if (hit.t == INFINITE) {
-          addEnvironment(w, rays[i]);
+          addEmission(w, nullptr, rays[i]);
           continue;
         }
         w.optical.travel(hit.t);
-        if (hit.areaLight) {
-          const Rgb radiance =
-              emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
-          addEmission(w, direction, hit, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
-        }
+        if (hit.areaLight) addEmission(w, &hit, rays[i]);
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
         const Bsdf* bsdf = bsdfAt(scene, hit, direction, {direction, w.width * w.camera->ray.sampleSpacing},
@@ -219,28 +215,19 @@ class PathTracing final : public Integrator {
       alive = passed;
     }
 
-    void addEnvironment(const BatchPath& w, const Ray& ray) const {
-      const float length = w.optical.at(lengthFromInfinity(scene, ray.origin, ray.direction));
-      for (size_t i = 0; i < scene.environment().size(); ++i) {
-        const Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
-                                                 settings.lightSamples);
-        addEmission(w, ray.direction, i, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
-      }
-    }
-
-    /** Adds the emission of `source`, a hit or the number of an environment light, at the end of a path of
-     * optical `length`. */
-    template <class Source>
-    void addEmission(const BatchPath& w, const Vec3f& direction, const Source& source, LightState light,
-                     const Rgb& radiance, float length) const {
+    /** Adds the emission of a surface, or of the environment lights if `hit` is null. */
+    void addEmission(const BatchPath& w, const Hit* hit, const Ray& ray) const {
       PathRadiance& out = *w.camera->out;
-      if (out.recorder)
-        recordHit(*out.recorder, w.recordedStep, scene, settings.lightSampler, source, direction, w.bsdfRay,
-                  settings.lightSamples, radiance);
-      if (w.isScattered)
-        out.add(light, w.state, w.throughput * radiance, length);
-      else
-        out.addSeen(light, w.state, w.throughput * radiance, length);
+      forLightHits(scene, settings.lightSampler, hit, ray, w.bsdfRay, settings.lightSamples, nullptr,
+                   [&](const LightHit& found) {
+                     if (out.recorder) recordHit(*out.recorder, w.recordedStep, found, w.bsdfRay);
+                     const LightState light = classes.lightStart(found.index);
+                     const float length = w.optical.at(found.beyond);
+                     if (w.isScattered)
+                       out.add(light, w.state, w.throughput * found.weighted, length);
+                     else
+                       out.addSeen(light, w.state, w.throughput * found.weighted, length);
+                   });
     }
 
     /** Traces one shadow ray from each vertex. */

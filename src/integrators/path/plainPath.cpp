@@ -42,7 +42,7 @@ class PlainPath {
   }
 
   void trace() {
-    const auto emission = [&](const Hit* hit) { hit ? addHitLight(*hit) : addEnvironment(); };
+    const auto emission = [&](const Hit* hit) { addEmission(hit); };
     const auto mediumEmission = [&](const Rgb& radiance) { addMediumEmission(radiance); };
     while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
       record.arrive(vertex);
@@ -67,29 +67,14 @@ class PlainPath {
     else
       out.addSeen(light, path.state, radiance, length);
   }
-  /** Adds `emitted` of `source`, a hit or the number of an environment light, at the end of a path of optical
-   * `length`. */
-  template <class Source>
-  void addEmission(const Source& source, LightState light, const Rgb& emitted, float length) {
-    if (isBlack(emitted)) return;
-    if (out.recorder)
-      recordHit(*out.recorder, record.step(), scene, lights, source, path.ray.direction, last,
-                settings.lightSamples, emitted);
-    add(light, path.throughput * emitted, length);
-  }
-  void addHitLight(const Hit& hit) {
-    addEmission(hit, classes.lightStart(hit.lightIndex),
-                emittedRadiance(scene, lights, hit, path.ray.direction, last, settings.lightSamples,
-                                scene.hasMedia() ? &path : nullptr),
-                path.optical.length);
-  }
-  void addEnvironment() {
-    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, path.ray.direction));
-    for (size_t i = 0; i < scene.environment().size(); ++i)
-      addEmission(i, classes.lightStart(scene.environmentIndices()[i]),
-                  environmentRadiance(scene, lights, i, path.ray.direction, last, settings.lightSamples,
-                                      scene.hasMedia() ? &path : nullptr),
-                  length);
+  /** Adds the emission of a surface, or of the environment lights if `hit` is null. */
+  void addEmission(const Hit* hit) {
+    forLightHits(scene, lights, hit, path.ray, last, settings.lightSamples,
+                 scene.hasMedia() ? &path : nullptr, [&](const LightHit& found) {
+                   if (out.recorder) recordHit(*out.recorder, record.step(), found, last);
+                   add(classes.lightStart(found.index), path.throughput * found.weighted,
+                       path.optical.at(found.beyond));
+                 });
   }
   void recordMediumEmission() const {
     Hit end;

@@ -64,12 +64,7 @@ bool mediaOnlyAbsorb(const Scene& scene) {
 void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
   CameraWalker walker(scene, out.pathClasses(), out.counts, -1, InMedia::PASS);
   CameraVertex vertex;
-  const auto emission = [&](const Hit* hit) {
-    if (hit)
-      addEmission(scene, path, *hit, out);
-    else
-      addEnvironment(scene, path, out);
-  };
+  const auto emission = [&](const Hit* hit) { addEmission(scene, path, hit, out); };
   const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
   for (;;) {
     path.walk.needed = path.weights.share == 0 && path.weights.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;

@@ -132,8 +132,8 @@ class PhotonMapping final : public Integrator {
                        PathRadiance& out) const;
 
   // ------------------------------------------------------------------------------------------------- lights
-  void addEmission(const Scene& scene, const PathState& path, const Hit& hit, PathRadiance& out) const;
-  void addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const;
+  /** Adds the emission of a surface, or of the environment lights if `hit` is null. */
+  void addEmission(const Scene& scene, const PathState& path, const Hit* hit, PathRadiance& out) const;
   /** Adds shadow rays. Light that arrives through no pane may be shared with photons. */
   void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
                       const PhotonShare& share, const CameraVertex& vertex, Sampler& sampler,
@@ -142,9 +142,8 @@ class PhotonMapping final : public Integrator {
   static bool isShared(const PathState& path) {
     return path.weights.shared.share.merged > 0 && !path.delta && !path.panes;
   }
-  /** Adds light at the end of a path of optical `length`, shared with photons. */
-  void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
-                 const Rgb& radiance, float distance, float length, PathRadiance& out) const;
+  /** Adds light that a path has found, shared with photons. */
+  void addShared(const Scene& scene, const PathState& path, const LightHit& found, PathRadiance& out) const;
   /** MIS weights of hit light against shadow rays: none from the camera or through mirrors and glass, where
    * no shadow rays find it. */
   BsdfRay directWeights(const PathState& path) const {

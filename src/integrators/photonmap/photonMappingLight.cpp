@@ -15,67 +15,34 @@ void recordWeight(PathRadiance& out, float weight) {
 
 } // namespace
 
-void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit& hit,
+void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit* hit,
                                 PathRadiance& out) const {
-  const Vec3f& direction = path.walk.ray.direction;
-  Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
-  if (isBlack(radiance)) return;
-  if (out.recorder)
-    recordHit(*out.recorder, path.recordedStep, scene, lights, hit, direction, directWeights(path),
-              settings.lightSamples, radiance);
-  if (isShared(path)) {
-    const LePdf pdf = photons.pdfLe(
-        hit.lightIndex, *hit.areaLight,
-        {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
-    addShared(scene, path, hit.lightIndex, pdf, radiance,
-              glm::distance(path.weights.bsdfRay.from.position, hit.point.position), path.walk.optical.length,
-              out);
-    return;
-  }
-  if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-    const float weight = photons.rayWeight(scene, path.weights.merge, hit, direction);
-    recordWeight(out, weight);
-    radiance *= weight;
-  }
-  addLight(path, out.pathClasses().lightStart(hit.lightIndex), radiance, path.walk.optical.length, out);
-}
-
-void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
-  if (scene.environment().empty()) return;
-  const Vec3f& direction = path.walk.ray.direction;
-  const float length = path.walk.optical.at(lengthFromInfinity(scene, path.walk.ray.origin, direction));
-  for (size_t i = 0; i < scene.environment().size(); ++i) {
-    Rgb radiance =
-        environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
-    if (isBlack(radiance)) continue;
-    if (out.recorder)
-      recordHit(*out.recorder, path.recordedStep, scene, lights, i, direction, directWeights(path),
-                settings.lightSamples, radiance);
-    if (isShared(path)) {
-      const EnvironmentLight& light = *scene.environment()[i];
-      const uint32_t index = scene.environmentIndices()[i];
-      const LePdf pdf = photons.pdfLe(index, light, {path.walk.ray.origin, -direction, Vec3f(0), 0});
-      addShared(scene, path, index, pdf, radiance, INFINITE, length, out);
-      continue;
-    }
+  const BsdfRay from = directWeights(path);
+  forLightHits(scene, lights, hit, path.walk.ray, from, settings.lightSamples, nullptr, [&](LightHit found) {
+    if (out.recorder) recordHit(*out.recorder, path.recordedStep, found, from);
+    if (isShared(path)) return addShared(scene, path, found, out);
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-      const float weight = photons.rayWeight(scene, path.weights.merge, i, path.walk.ray);
+      const float weight = photons.rayWeight(scene, path.weights.merge, found);
       recordWeight(out, weight);
-      radiance *= weight;
+      found.weighted *= weight;
     }
-    addLight(path, out.pathClasses().lightStart(scene.environmentIndices()[i]), radiance, length, out);
-  }
+    addLight(path, out.pathClasses().lightStart(found.index), found.weighted,
+             path.walk.optical.at(found.beyond), out);
+  });
 }
 
-void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
-                              const Rgb& radiance, float distance, float length, PathRadiance& out) const {
+void PhotonMapping::addShared(const Scene& scene, const PathState& path, const LightHit& found,
+                              PathRadiance& out) const {
   const LightSampleContext& from = path.weights.bsdfRay.from;
-  const float arrivals = photons.arrivals(scene, light, pdf, path.weights.shared.cosine, distance,
-                                          lights.probability(scene.lights(), from, light));
+  const LePdf pdf = photons.pdfLe(found.index, *found.light, found.emitted);
+  const float distance = found.hit ? glm::distance(from.position, found.hit->point.position) : INFINITE;
+  const float arrivals = photons.arrivals(scene, found.index, pdf, path.weights.shared.cosine, distance,
+                                          lights.probability(scene.lights(), from, found.index));
   const float weight = path.weights.shared.share.camera(arrivals, path.weights.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(light), path.walk.state,
-          path.walk.throughput * radiance * (path.weights.shared.remainingWeight * weight), length);
+  out.add(out.pathClasses().lightStart(found.index), path.walk.state,
+          path.walk.throughput * found.weighted * (path.weights.shared.remainingWeight * weight),
+          path.walk.optical.at(found.beyond));
 }
 
 void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb& radiance, float length,

@@ -104,8 +104,7 @@ class PhotonPass {
   float probability(const Scene& scene, uint32_t light) const;
   /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and
    * glass, or has left the scene towards an environment light. */
-  float rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit, const Vec3f& direction) const;
-  float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment, const Ray& ray) const;
+  float rayWeight(const Scene& scene, MergeRatio merge, const LightHit& found) const;
   /** Density of the photons that arrive at a point straight from a light, see arrivalDensity(). `pdf`: result
    * of pdfLe(); `cosine`: at the surface there; `chosen`: the light's probability for shadow rays. */
   float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,

@@ -101,19 +101,9 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   gather.unknownWeight = gather.errors.photonWeight(1);
 }
 
-float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,
-                            const Vec3f& direction) const {
-  merge.arrive(direction, hit.point);
-  const LeRay ray{hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time};
-  return merge.cameraWeight(pdfLe(hit.lightIndex, *hit.areaLight, ray), probability(scene, hit.lightIndex));
-}
-
-float PhotonPass::rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
-                            const Ray& ray) const {
-  const uint32_t index = scene.environmentIndices()[environment];
-  const LePdf pdf =
-      pdfLe(index, *scene.environment()[environment], {ray.origin, -ray.direction, Vec3f(0), 0});
-  return merge.cameraWeight(pdf, probability(scene, index));
+float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const LightHit& found) const {
+  if (found.hit) merge.arrive(-found.emitted.direction, found.hit->point);
+  return merge.cameraWeight(pdfLe(found.index, *found.light, found.emitted), probability(scene, found.index));
 }
 
 float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,

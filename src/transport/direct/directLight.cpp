@@ -7,11 +7,10 @@ namespace recurse {
 
 namespace {
 
-/** MIS weight of a light that a ray of density `pdf` hits, and light sampling finds with `lightPdf`. */
-float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralPath* inMedia) {
-  if (!inMedia) return 1 - powerHeuristic(lightSamples, lightPdf, pdf);
-  const Rgb sum = inMedia->pathPdf + inMedia->lightPdf * (static_cast<float>(lightSamples) * lightPdf / pdf);
-  return 3 / channelSum(sum);
+/** MIS weight of a light that a ray of density `pdf` hits, and shadow rays find with a density. */
+float bsdfRayWeight(float shadowRays, float pdf, const SpectralPath* inMedia) {
+  if (!inMedia) return 1 - powerHeuristic(1, shadowRays, pdf);
+  return 3 / channelSum(inMedia->pathPdf + inMedia->lightPdf * (shadowRays / pdf));
 }
 
 /** Traces a shadow ray from a vertex to the light, through media, thin panes and surfaces that are hidden or
@@ -141,34 +140,34 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
   }
 }
 
-Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
-                    const Vec3f& direction, const BsdfRay& ray, int lightSamples,
-                    const SpectralPath* inMedia) {
-  const Rgb radiance = hit.areaLight->radiance(hit.point, -direction);
-  if (!ray.weighted || isBlack(radiance)) return radiance;
-  const float lightPdf = lightSampler.probability(scene.lights(), ray.from, hit.lightIndex) *
-                         hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
-  return radiance * bsdfRayWeight(lightSamples, lightPdf, ray.pdf, inMedia);
-}
-
-Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, size_t which,
-                        const Vec3f& direction, const BsdfRay& ray, int lightSamples,
-                        const SpectralPath* inMedia) {
-  const EnvironmentLight& light = *scene.environment()[which];
-  const Rgb radiance = light.radiance(direction);
-  if (!ray.weighted) return radiance;
-  const float lightPdf =
-      lightSampler.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
-      lightSampler.pdfLi(light, ray.from.position, direction);
-  return radiance * bsdfRayWeight(lightSamples, lightPdf, ray.pdf, inMedia);
-}
-
-Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, const Vec3f& direction,
-                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia) {
-  Rgb sum = BLACK;
-  for (size_t i = 0; i < scene.environment().size(); ++i)
-    sum += environmentRadiance(scene, lightSampler, i, direction, ray, lightSamples, inMedia);
-  return sum;
+LightHit lightHit(const Scene& scene, const LightSampler& lights, const Hit* hit, size_t which,
+                  const Ray& ray, const BsdfRay& from, int samples, const SpectralPath* inMedia) {
+  LightHit found;
+  found.hit = hit;
+  const Vec3f& direction = ray.direction;
+  const EnvironmentLight* sky = hit ? nullptr : scene.environment()[which];
+  if (hit) {
+    const SurfacePoint& point = hit->point;
+    found.index = hit->lightIndex;
+    found.light = hit->areaLight;
+    found.emitted = {point.position, -direction, point.geometricNormal, hit->primitive, point.time};
+    found.radiance = hit->areaLight->radiance(point, -direction);
+  } else {
+    found.index = scene.environmentIndices()[which];
+    found.light = sky;
+    found.emitted = {ray.origin, -direction, Vec3f(0), 0};
+    found.radiance = sky->radiance(direction);
+    found.beyond = lengthFromInfinity(scene, ray.origin, direction);
+  }
+  found.weighted = found.radiance;
+  if (!from.weighted || isBlack(found.radiance)) return found;
+  const Vec3f& start = from.from.position;
+  const float pdf =
+      hit ? hit->areaLight->pdfLi(start, hit->primitive, hit->point) : lights.pdfLi(*sky, start, direction);
+  found.shadowRays =
+      static_cast<float>(samples) * lights.probability(scene.lights(), from.from, found.index) * pdf;
+  found.weighted *= bsdfRayWeight(found.shadowRays, from.pdf, inMedia);
+  return found;
 }
 
 } // namespace recurse

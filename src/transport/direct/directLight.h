@@ -109,18 +109,33 @@ struct BsdfRay {
                          ///< ray samples this light
 };
 
-/** Radiance of the area light at `hit` along a ray of unit `direction` that hits it, times its MIS weight;
- * black where it does not emit. `inMedia`: spectral densities of the path; null: weights ignore media. */
-Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
-                    const Vec3f& direction, const BsdfRay& ray, int lightSamples,
-                    const SpectralPath* inMedia = nullptr);
-/** Weighted radiance of environment light number `which`, for a ray that left the scene. */
-Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, size_t which,
-                        const Vec3f& direction, const BsdfRay& ray, int lightSamples,
-                        const SpectralPath* inMedia = nullptr);
-/** Weighted radiance of all environment lights. */
-Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, const Vec3f& direction,
-                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
+/** Emission that a camera ray has found: of a surface, or of an environment light as it left the scene. */
+struct LightHit {
+  uint32_t index = 0; ///< of the light
+  const Light* light = nullptr;
+  const Hit* hit = nullptr; ///< null for an environment light
+  LeRay emitted;            ///< the same ray as the light emits it
+  Rgb radiance;             ///< towards the ray's origin
+  float beyond = 0;         ///< distance of the light from the end of the path [scene units]
+  float shadowRays = 0;     ///< density of the shadow rays that compete [1/sr]
+  Rgb weighted;             ///< radiance times its MIS weight
+};
+/** Emission of the surface `hit`, or if it is null of environment light number `which`. `from`: the ray as it
+ * left its last non-delta vertex, with `samples` shadow rays. `inMedia`: spectral densities of the path;
+ * null: weights ignore media. */
+LightHit lightHit(const Scene& scene, const LightSampler& lights, const Hit* hit, size_t which,
+                  const Ray& ray, const BsdfRay& from, int samples, const SpectralPath* inMedia);
+/** Calls visit(const LightHit&) for the emission of the surface `hit`, or if it is null of each environment
+ * light. */
+template <class Visit>
+void forLightHits(const Scene& scene, const LightSampler& lights, const Hit* hit, const Ray& ray,
+                  const BsdfRay& from, int samples, const SpectralPath* inMedia, const Visit& visit) {
+  const size_t count = hit ? 1 : scene.environment().size();
+  for (size_t i = 0; i < count; ++i) {
+    const LightHit found = lightHit(scene, lights, hit, i, ray, from, samples, inMedia);
+    if (!isBlack(found.radiance)) visit(found);
+  }
+}
 
 /** Vertex at which shadow rays start in a scene with media: on a surface or in a medium. */
 struct LitVertex {
@@ -159,7 +174,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                      float pdf, int maxPanes, Sampler& sampler, PathRadiance& out);
 
 /** Variant of addSampledLight() for scenes with media, for a walk that continues by the BSDF or the phase
- * function and weights the lights it hits by emittedRadiance() and environmentRadiance(). */
+ * function and weights the lights it hits as lightHit() does. */
 void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
                             const LightSampleContext& context, const LitVertex& vertex, int samples,
                             int maxPanes, Sampler& sampler, PathRadiance& out);

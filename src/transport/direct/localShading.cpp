@@ -17,22 +17,11 @@ constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const CameraSubpath& path,
                 const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput, int step,
                 PathRadiance& out) {
-  const PathClasses& classes = out.pathClasses();
-  const Vec3f& direction = path.ray.direction;
-  if (hit) {
-    const Rgb radiance = emittedRadiance(scene, lights, *hit, direction, ray, lightSamples);
-    if (out.recorder)
-      recordHit(*out.recorder, step, scene, lights, *hit, direction, ray, lightSamples, radiance);
-    out.add(classes.lightStart(hit->lightIndex), state, throughput * radiance, path.optical.length);
-    return;
-  }
-  const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
-  for (size_t i = 0; i < scene.environment().size(); ++i) {
-    const Rgb radiance = environmentRadiance(scene, lights, i, direction, ray, lightSamples);
-    if (out.recorder)
-      recordHit(*out.recorder, step, scene, lights, i, direction, ray, lightSamples, radiance);
-    out.add(classes.lightStart(scene.environmentIndices()[i]), state, throughput * radiance, length);
-  }
+  forLightHits(scene, lights, hit, path.ray, ray, lightSamples, nullptr, [&](const LightHit& found) {
+    if (out.recorder) recordHit(*out.recorder, step, found, ray);
+    out.add(out.pathClasses().lightStart(found.index), state, throughput * found.weighted,
+            path.optical.at(found.beyond));
+  });
 }
 
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */

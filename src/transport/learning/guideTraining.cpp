@@ -73,12 +73,9 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
     CameraVertex vertex;
     BsdfRay last;
     const auto emission = [&](const Hit* hit) {
-      const Vec3f& direction = path.ray.direction;
-      const SpectralPath* inMedia = scene.hasMedia() ? &path : nullptr;
-      recorder.add(
-          path.throughput *
-          (hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)
-               : environmentRadiance(scene, lights, direction, last, settings.lightSamples, inMedia)));
+      forLightHits(scene, lights, hit, path.ray, last, settings.lightSamples,
+                   scene.hasMedia() ? &path : nullptr,
+                   [&](const LightHit& found) { recorder.add(path.throughput * found.weighted); });
     };
     const auto mediumEmission = [&](const Rgb& radiance) { recorder.add(radiance); };
     while (walker.next(path, vertex, sampler, emission, mediumEmission)) {
