@@ -20,9 +20,6 @@ namespace recurse {
 
 namespace {
 
-/** Sampler stream of photons, distinct from other samples of the same pass. */
-constexpr uint64_t PHOTON_STREAM = 0x53494d504c450000ull;
-
 class SimplePhotonMap final : public Integrator {
  public:
   SimplePhotonMap(uint64_t photons, const GatherSettings& search, int maxDepth)
@@ -42,10 +39,13 @@ class SimplePhotonMap final : public Integrator {
     std::vector<float> lengths;
     if (control.lightPaths) control.lightPaths->beginPass(photons);
     for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
-      const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
       RecordedWalk record(control.lightPaths, i, 1 / float(photons));
-      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored,
-                  classes.isTransient() ? &lengths : nullptr, record);
+      followLightPath(scene, classes, pass, i, maxDepth, nullptr, statistics.counts, record,
+                      [&](const LightSubpath& path, const LightVertex& vertex) {
+                        if (vertex.isConnectable())
+                          store(vertex, path.optical.length, stored,
+                                classes.isTransient() ? &lengths : nullptr);
+                      });
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
     statistics.shootSeconds = secondsSince(start);
@@ -120,25 +120,6 @@ class SimplePhotonMap final : public Integrator {
 
   static constexpr float MAX_RADIUS = 0.1f;    ///< over the scene's radius; bounds gathers in dark corners
   static constexpr float BRANCH_WEIGHT = 0.1f; ///< throughput below which roulette limits rays at glass
-
-  /** Traces a photon until it is absorbed, and stores it at each non-delta surface that it hits. */
-  void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
-                   TransportCounts& counts, std::vector<Photon>& stored, std::vector<float>* lengths,
-                   RecordedWalk& record) const {
-    const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
-    if (!start) return;
-    Walker<LightState> walker(scene, classes, counts, maxDepth);
-    LightSubpath path = start->path;
-    LightVertex vertex;
-    record.start(path);
-    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
-      if (vertex.isConnectable()) store(vertex, path.optical.length, stored, lengths);
-      record.arrive(path, vertex, vertex.isConnectable());
-      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
-      if (!s) return;
-      record.leave(vertex, *s);
-    }
-  }
 
   void store(const LightVertex& vertex, float length, std::vector<Photon>& stored,
              std::vector<float>* lengths) const {

@@ -23,9 +23,6 @@ namespace recurse {
 
 namespace {
 
-/** Sampler stream of light paths, distinct from other samples of the same pass. */
-constexpr uint64_t VIRTUAL_LIGHT_STREAM = 0x56504c5354524541ull;
-
 struct VplSettings {
   int maxDepth = -1;
   int lightPaths = 32;     ///< number in each pass
@@ -170,22 +167,8 @@ class VirtualPointLights final : public Integrator {
   template <class Visit>
   void walkLightPath(const Scene& scene, const PathClasses& classes, int number, TransportCounts& counts,
                      RecordedWalk& record, const Visit& visit) const {
-    Sampler sampler(hashCombine(current.seed, current.index), VIRTUAL_LIGHT_STREAM,
-                    static_cast<uint32_t>(number));
-    Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
-    const std::optional<LightStart> start =
-        startLightSubpath(scene, classes, current.time, sampler, counts, &guide);
-    if (!start) return;
-    LightSubpath path = start->path;
-    LightVertex vertex;
-    record.start(path);
-    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
-      record.arrive(path, vertex, vertex.isConnectable());
-      visit(path, vertex);
-      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
-      if (!s) return;
-      record.leave(vertex, *s);
-    }
+    followLightPath(scene, classes, current, static_cast<uint64_t>(number), settings.maxDepth, &guide, counts,
+                    record, visit);
   }
 
   void store(const LightSubpath& path, const LightVertex& vertex, int number) {

@@ -24,8 +24,6 @@ namespace recurse {
 
 namespace {
 
-/** Sampler stream of light paths, distinct from other samples of the same pass. */
-constexpr uint64_t LIGHT_STREAM = 0x4c49474854504154ull;
 constexpr uint64_t BATCH = 4096;
 /** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
@@ -51,12 +49,6 @@ RadiusCache probeSurfaces(const Scene& scene) {
   RadiusCache surfaces;
   surfaces.build(scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
   return surfaces;
-}
-
-/** Sampler of a light path. */
-Sampler lightPathSampler(const Pass& pass, uint64_t number) {
-  return Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (number >> 32),
-                 static_cast<uint32_t>(number));
 }
 
 } // namespace

@@ -8,7 +8,8 @@
 #include "transport/emission/emissionMixture.h"
 #include "transport/emission/emissiveMedia.h"
 #include "transport/emission/pathEnds.h"
-#include "transport/paths/pathVertex.h"
+#include "transport/paths/recordedWalk.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 
@@ -48,5 +49,33 @@ class EmissionSampler {
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
                                             Sampler& sampler, TransportCounts& counts,
                                             const EmissionMixture* mixture = nullptr);
+
+/** Random numbers of light path `number` of a pass, in a stream distinct from those of pixels. */
+inline Sampler lightPathSampler(const Pass& pass, uint64_t number) {
+  constexpr uint64_t STREAM = 0x50484f544f4e53ull;
+  return Sampler(hashCombine(pass.seed, pass.index), STREAM + (number >> 32), static_cast<uint32_t>(number));
+}
+
+/** Follows light path `number` of a pass to its end: calls visit(path, vertex) at each vertex, before the
+ * path scatters there. */
+template <class Visit>
+void followLightPath(const Scene& scene, const PathClasses& classes, const Pass& pass, uint64_t number,
+                     int maxDepth, const EmissionMixture* mixture, TransportCounts& counts,
+                     RecordedWalk& record, const Visit& visit) {
+  Sampler sampler = lightPathSampler(pass, number);
+  std::optional<LightStart> start = startLightSubpath(scene, classes, pass.time, sampler, counts, mixture);
+  if (!start) return;
+  Walker<LightState> walker(scene, classes, counts, maxDepth);
+  LightSubpath& path = start->path;
+  LightVertex vertex;
+  record.start(path);
+  while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
+    record.arrive(path, vertex, vertex.isConnectable());
+    visit(path, vertex);
+    const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+    if (!s) return;
+    record.leave(vertex, *s);
+  }
+}
 
 } // namespace recurse
