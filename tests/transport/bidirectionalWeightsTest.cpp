@@ -178,29 +178,3 @@ TEST(BidirectionalWeights, OnlyPhotonsSeenFromManyPlacesAreDependent) {
       EXPECT_NEAR(x[2].merges, 1, 1e-3);
   }
 }
-
-/** Without merges the sums of a path are computed step by step; the sums of its subpaths have the same
- * bits. */
-TEST(BidirectionalWeights, SumsAreThoseOfShorterPaths) {
-  std::mt19937 random(3);
-  for (int n = 0; n < 2000; ++n) {
-    const size_t k = 4 + size_t(n) % 9;
-    RandomPath r(random, k);
-    r.path.photons = 0;
-    for (WeightedVertex& v : r.x) v.merges = 0;
-    std::vector<double> beyond(k);
-    beyond[k - 1] = sumBeyond(r.path);
-    for (size_t j = k - 1; j > 1; --j) beyond[j - 1] = sumBeyond(r.path, j, beyond[j]);
-    for (size_t i = 0; i + 3 < k; ++i) {
-      WeightedPath part = r.path;
-      for (size_t j = 0; j <= i; ++j) {
-        part.sumNearCamera = sumNearCamera(part, j);
-        part.summed = j;
-      }
-      part.vertices = std::span(r.x).first(i + 3);
-      part.beyond = beyond[i + 2];
-      const double whole = connectionWeight(r.path, i), parts = connectionWeight(part, i);
-      EXPECT_TRUE(whole == parts || (std::isnan(whole) && std::isnan(parts))) << whole << " " << parts;
-    }
-  }
-}

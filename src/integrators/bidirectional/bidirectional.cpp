@@ -114,7 +114,6 @@ class Bidirectional::LightWalk {
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       store(stored, path.optical.length);
       record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
-      if (splatter && !owner.settings.merges) sumTechniques(stored);
       if (splatter && vertex.isConnectable())
         splat(stored, path, sampler.fork(static_cast<uint32_t>(vertex.depth)));
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
@@ -144,21 +143,6 @@ class Bidirectional::LightWalk {
     ++path.count;
   }
 
-  /** Extends the sum of the techniques beyond y_count-2 to y_count-1. */
-  void sumTechniques(const StoredPath& path) {
-    if (path.count < 2 || out.startsAtPane(path)) return;
-    x.assign(1, {});
-    out.appendDensities(path, path.count, 3, x);
-    WeightedPath full = owner.weightedPath(0, 0);
-    full.vertices = x;
-    if (path.count > 2) {
-      beyond = sumBeyond(full, 3, beyond);
-      return;
-    }
-    owner.completePath(scene, full, path.end, out.shadowRayStart(path, path.count, -vertex.wi));
-    beyond = sumBeyond(full);
-  }
-
   /** Adds technique C_0: splats the last vertex to the camera. */
   void splat(const StoredPath& path, const LightSubpath& subpath, Sampler sampler) {
     if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
@@ -178,17 +162,13 @@ class Bidirectional::LightWalk {
                  visibilityTarget(lens->position, lens->direction, lens->distance), subpath.nesting, counts))
       return;
     const double distance = double(lens->distance);
-    const bool summed = !owner.settings.merges && path.count > 1 && !out.startsAtPane(path);
     x.assign(1, {});
-    out.appendDensities(path, path.count, summed ? 2 : path.count + 1, x);
+    out.appendDensities(path, path.count, x);
     x[1].fromCamera = end.pdfAt(lens->position, point, lens->direction);
     x[2].fromCamera = vertex.pdfPrevious(lens->direction);
     WeightedPath weighted = owner.weightedPath(owner.mergeRadius(end.footprint(distance)), distance);
     weighted.vertices = x;
-    if (summed)
-      weighted.beyond = beyond;
-    else
-      owner.completePath(scene, weighted, path.end, out.shadowRayStart(path, path.count, lens->direction));
+    owner.completePath(scene, weighted, path.end, out.shadowRayStart(path, path.count, lens->direction));
     splatter->add(vertex.afterD, classes.cameraStart(), lens->film,
                   contribution * static_cast<float>(connectionWeight(weighted, 0)),
                   leaving(subpath.optical, *vertex.scattering, vertex.wi, lens->direction).at(lens->distance),
@@ -205,7 +185,6 @@ class Bidirectional::LightWalk {
   Walker<LightState> walker;
   LightVertex vertex;
   std::vector<WeightedVertex> x;
-  double beyond = 0; ///< sumBeyond() of y_count-1, from two vertices on, without merges
 };
 
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,

@@ -37,7 +37,6 @@ class Bidirectional::CameraWalk {
       arrive();
       if (vertex.isConnectable()) {
         if (owner.settings.shadowRays) addShadowRay();
-        if (light && !owner.settings.merges && beyond.empty()) sumLightPath(*light);
         if (light)
           for (uint32_t t = 1; t <= light->count && !out.abandoned(); ++t) addConnection(*light, t);
         if (owner.settings.merges) addPhotons();
@@ -49,7 +48,6 @@ class Bidirectional::CameraWalk {
       vertices.back().delta = path.delta;
       vertices[vertices.size() - 2].fromLight =
           path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
-      if (!owner.settings.merges) sumCameraPath();
       if (!path.delta) radiusKnown = true;
       leave(passesPane(scene, *vertex.scattering, *step));
     }
@@ -82,9 +80,7 @@ class Bidirectional::CameraWalk {
   }
 
   /** Records the weights of all techniques for the latest source. */
-  void recordWeights(WeightedPath full) {
-    full.summed = 0;
-    full.sumNearCamera = 0;
+  void recordWeights(const WeightedPath& full) {
     std::vector<RecordedWeight>& list = out.recorder->weights;
     RecordedSource& s = out.recorder->source;
     s.firstWeight = list.size();
@@ -133,23 +129,14 @@ class Bidirectional::CameraWalk {
 
   /** Adds the emission of the surface `hit`, or of the environment lights if it is null. */
   void addEmission(const Hit* hit) {
-    const Vec3f towardsLight = path.ray.direction;
-    if (hit) {
-      addHit(
-          hit->lightIndex,
-          {hit->point.position, -towardsLight, hit->point.geometricNormal, hit->primitive, hit->point.time},
-          hit->areaLight->radiance(hit->point, -towardsLight), path.optical.length);
-      return;
-    }
-    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, towardsLight));
-    for (size_t i = 0; i < scene.environment().size(); ++i)
-      addHit(scene.environmentIndices()[i], {path.ray.origin, -towardsLight},
-             scene.environment()[i]->radiance(towardsLight), length);
+    forLightHits(scene, owner.lights, hit, path.ray, {}, 1, nullptr, [&](const LightHit& found) {
+      addHit(found.index, found.emitted, found.radiance, path.optical.at(found.beyond));
+    });
   }
 
   /** Adds technique C_k: a hit of the light, by a path of optical `length`. */
   void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance, float length) {
-    if (!owner.settings.hits || isBlack(radiance)) return;
+    if (!owner.settings.hits) return;
     double weight = 1;
     std::optional<WeightedPath> full;
     if (vertices.size() > 1) {
@@ -248,29 +235,21 @@ class Bidirectional::CameraWalk {
       return;
     const size_t s = vertices.size() - 1;
     const float pdfThere = there.pdf(y.wi, -direction), pdfReverseThere = there.pdf(-direction, y.wi);
-    const auto joined = [&](bool summed) {
-      copyVertices();
-      owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
-      x[s - 1].fromLight = vertex.pdfPrevious(direction);
-      x[s].fromLight = double(pdfThere) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
-      x[s + 1].fromCamera =
-          vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
-      x[s + 1].delta = false;
-      x[s + 2].fromCamera = double(pdfReverseThere) * y.toPrevious;
-      WeightedPath full = weighted();
-      if (summed)
-        full.beyond = beyond[t - 1];
-      else
-        owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
-      return full;
-    };
-    const bool summed = !owner.settings.merges && t > 1 && !owner.subpaths.startsAtPane(from);
-    const double weight = connectionWeight(joined(summed), s);
+    copyVertices();
+    owner.subpaths.appendDensities(from, t, x);
+    x[s - 1].fromLight = vertex.pdfPrevious(direction);
+    x[s].fromLight = double(pdfThere) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
+    x[s + 1].fromCamera =
+        vertex.pdfDirection(direction) * areaPerSolidAngle(vertex.point().position, y.point, direction);
+    x[s + 1].delta = false;
+    x[s + 2].fromCamera = double(pdfReverseThere) * y.toPrevious;
+    const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, -direction));
+    const double weight = connectionWeight(full, s);
     if (out.recorder) {
       recordJoin(PathTechnique::CONNECTION, from, t, direction, weight);
       out.recorder->source.lightVertexPdf = pdfThere;
       out.recorder->source.lightVertexPdfReverse = pdfReverseThere;
-      recordWeights(joined(false));
+      recordWeights(full);
     }
     out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(weight),
             leaving(path.optical, *vertex.scattering, vertex.wi, direction).at(distance) +
@@ -320,7 +299,7 @@ class Bidirectional::CameraWalk {
                          static_cast<float>(double(area) / (owner.lightPaths * supportArea));
     copyVertices();
     const size_t s = x.size() - 1;
-    owner.subpaths.appendDensities(from, t - 1, t, x);
+    owner.subpaths.appendDensities(from, t - 1, x);
     x[s - 1].fromLight = vertex.pdfPrevious(y.wi);
     x[s].fromLight = y.fromLight;
     x[s + 1].fromCamera = vertex.pdfDirection(y.wi) * y.toPrevious;
@@ -339,18 +318,11 @@ class Bidirectional::CameraWalk {
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
     return owner.subpaths.vertex(from, number);
   }
-  /** Path with the vertices `x`, without the data that depend on the light. */
-  WeightedPath weighted() {
+  /** Complete path with the vertices `x` and this light end. */
+  WeightedPath weighted(const LightEnd& end, const ShadowRayStart& start) {
     WeightedPath full = owner.weightedPath(radius, firstDistance);
     full.vertices = x;
     if (!camera.connectable) full.splats = 0;
-    full.summed = summed;
-    full.sumNearCamera = nearCamera;
-    return full;
-  }
-  /** Complete path with the vertices `x` and this light end. */
-  WeightedPath weighted(const LightEnd& end, const ShadowRayStart& start) {
-    WeightedPath full = weighted();
     owner.completePath(scene, full, end, start);
     return full;
   }
@@ -360,24 +332,6 @@ class Bidirectional::CameraWalk {
     x.resize(vertices.size());
     std::copy(vertices.begin() + std::ptrdiff_t(copied), vertices.end(), x.begin() + std::ptrdiff_t(copied));
     copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
-  }
-  /** Computes sumNearCamera() up to x_s-1, when the walk leaves x_s. */
-  void sumCameraPath() {
-    copyVertices();
-    nearCamera = sumNearCamera(weighted(), vertices.size() - 2);
-    summed = vertices.size() - 2;
-  }
-  /** Computes sumBeyond() at each vertex of a light path, beginning at the light. */
-  void sumLightPath(const StoredPath& from) {
-    beyond.resize(from.count + 1);
-    if (from.count < 2 || owner.subpaths.startsAtPane(from)) return;
-    std::vector<WeightedVertex> all(1);
-    owner.subpaths.appendDensities(from, from.count, from.count + 1, all);
-    WeightedPath full = owner.weightedPath(0, 0);
-    full.vertices = all;
-    owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, from.count, Vec3f(0)));
-    beyond[1] = sumBeyond(full);
-    for (uint32_t t = 2; t < from.count; ++t) beyond[t] = sumBeyond(full, from.count + 2 - t, beyond[t - 1]);
   }
 
   /** Half the height of the gather region over its radius: merges stay on one surface. */
@@ -398,10 +352,6 @@ class Bidirectional::CameraWalk {
   std::vector<WeightedVertex> vertices; ///< x_0 … x_s; densities of the light walk are known up to x_s-2
   std::vector<WeightedVertex> x;        ///< vertices of the current full path
   size_t copied = 0;                    ///< number of vertices in `x` that no longer change
-  // Partial sums of the weights, without merges:
-  size_t summed = 0; ///< WeightedPath::summed
-  double nearCamera = 0;
-  std::vector<double> beyond; ///< sumBeyond() of y_t, 0 < t < count
   // State of the walk since the last possible shadow ray, see ShadowRayStart:
   SurfacePoint lit, firstPane, last;
   Vec3f towardsBeforeLit{0};

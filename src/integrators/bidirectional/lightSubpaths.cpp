@@ -43,14 +43,13 @@ ShadowRayStart LightSubpaths::shadowRayStart(const StoredPath& path, uint32_t co
   return start;
 }
 
-void LightSubpaths::appendDensities(const StoredPath& path, uint32_t count, uint32_t most,
+void LightSubpaths::appendDensities(const StoredPath& path, uint32_t count,
                                     std::vector<WeightedVertex>& x) const {
-  for (uint32_t i = count; i > 0; --i, --most) {
-    if (most == 0) return;
+  for (uint32_t i = count; i > 0; --i) {
     const StoredVertex& v = vertices[path.first + i - 1];
     x.push_back({v.fromCamera, v.fromLight, v.delta});
   }
-  if (most > 0) x.push_back({path.fromCamera, path.end.pdf});
+  x.push_back({path.fromCamera, path.end.pdf});
 }
 
 } // namespace recurse

@@ -48,13 +48,10 @@ struct LightSubpaths {
   float length(const StoredPath& path, uint32_t number) const {
     return lengths.empty() ? 0 : lengths[path.first + number - 1];
   }
-  /** Whether the first vertex of the path is a thin pane that it passes straight. */
-  bool startsAtPane(const StoredPath& path) const { return path.count > 0 && vertex(path, 1).straight; }
   /** Start of shadow rays to the light of a path that ends at y_count, seen from unit `towardsCamera`. */
   ShadowRayStart shadowRayStart(const StoredPath& path, uint32_t count, const Vec3f& towardsCamera) const;
-  /** Appends densities of y_count … y_1 and the path's end for the weights, at most `most` of these. */
-  void appendDensities(const StoredPath& path, uint32_t count, uint32_t most,
-                       std::vector<WeightedVertex>& x) const;
+  /** Appends the densities of y_count … y_1 and of the path's end for the weights. */
+  void appendDensities(const StoredPath& path, uint32_t count, std::vector<WeightedVertex>& x) const;
 };
 
 } // namespace recurse

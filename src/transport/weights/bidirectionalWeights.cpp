@@ -26,21 +26,17 @@ class Techniques {
   double hits() const { return path.lightIsIntersectable ? 1 : 0; }
   /** Sum of the techniques nearer to the camera than C_i, and of M_i; i < k. */
   double nearCamera(size_t i) const {
-    double sum = path.sumNearCamera;
-    for (size_t j = path.summed + 1; j <= i; ++j)
+    double sum = 0;
+    for (size_t j = 1; j <= i; ++j)
       sum = x[j].merges * x[j].fromLight + x[j].fromLight / x[j].fromCamera * (connections(j - 1) + sum);
     return sum;
   }
   /** Sum of the techniques nearer to the light than C_i; i < k - 1. */
   double nearLight(size_t i) const {
-    double sum = path.beyond ? *path.beyond : beyondLast();
-    for (size_t j = path.beyond ? k : k - 1; j > i + 1; --j) sum = beyondNext(j, sum);
+    double sum = (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; // C_k-1 and C_k, over P(C_k-1)
+    for (size_t j = k - 1; j > i + 1; --j) sum = sumFromMerge(j, sum) + connections(j - 1);
     return sumFromMerge(i + 1, sum);
   }
-  /** Sum of C_k-1 and C_k, over P(C_k-1). */
-  double beyondLast() const { return (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; }
-  /** Sum of C_j-1 and all techniques beyond, over P(C_j-1). */
-  double beyondNext(size_t j, double beyond) const { return sumFromMerge(j, beyond) + connections(j - 1); }
   /** Sum of M_j, C_j and all techniques beyond, over P(C_j-1). */
   double sumFromMerge(size_t j, double beyond) const {
     return x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * beyond;
@@ -55,14 +51,6 @@ class Techniques {
 
 double shadowRaysThroughPanes(double pdf, double pdfDirection, double distanceRatio) {
   return pdf / pdfDirection * (distanceRatio * distanceRatio);
-}
-
-double sumNearCamera(const WeightedPath& path, size_t i) { return Techniques(path).nearCamera(i); }
-
-double sumBeyond(const WeightedPath& path) { return Techniques(path).beyondLast(); }
-
-double sumBeyond(const WeightedPath& path, size_t j, double beyond) {
-  return Techniques(path).beyondNext(j, beyond);
 }
 
 double connectionWeight(const WeightedPath& path, size_t i) {

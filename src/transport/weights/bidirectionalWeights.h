@@ -6,7 +6,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,11 +39,6 @@ struct WeightedPath {
   double mergeArea = 0;             ///< π r² [area], the same for all techniques of a path
   double correlationArea = 0;       ///< A of (3) [area]; 0: all photons count as independent
   LightGeometry light = LightGeometry::SURFACE;
-  // Partial sums. Without merges, the sums over techniques at either end equal those for shorter paths, and
-  // are reused.
-  size_t summed = 0;            ///< C_0 … C_summed-1 are included in `sumNearCamera`
-  double sumNearCamera = 0;     ///< sum of their samples times densities, over P(C_summed)
-  std::optional<double> beyond; ///< sumBeyond() at the last vertex x_k, if the path continues
 
   size_t edges() const { return vertices.size() - 1; }
 };
@@ -58,13 +52,6 @@ void countMerges(const WeightedPath& path);
  * density with which the camera walk leaves x_j towards the panes [1/sr]. `distanceRatio`: distance of x_k
  * from x_j over its distance from x_k-1; 1 for infinite lights. */
 double shadowRaysThroughPanes(double pdf, double pdfDirection, double distanceRatio);
-
-/** Sum of samples times densities of C_0 … C_i-1 and M_1 … M_i, over P(C_i); 0 <= i < k. */
-double sumNearCamera(const WeightedPath& path, size_t i);
-/** Sum of C_k-1 and C_k, over P(C_k-1): all techniques beyond x_k-1. */
-double sumBeyond(const WeightedPath& path);
-/** Sum of the techniques beyond x_j-1, 1 < j < k, computed from the sum beyond x_j. */
-double sumBeyond(const WeightedPath& path, size_t j, double beyond);
 
 /** MIS weight of C_i, 0 <= i < k. */
 double connectionWeight(const WeightedPath& path, size_t i);
