@@ -62,24 +62,27 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   const Vec3f& direction = path.walk.ray.direction;
   addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
   if (settings.directLight) return;
-  const int hero = drawHero(sampler.fork(HERO).next1D());
+  CameraSubpath lit = path.walk;
+  lit.hero = drawHero(sampler.fork(HERO).next1D());
   const int panes = panesLeft(settings.maxDepth, path.walk.depth + 1);
-  OpticalPath optical = path.walk.optical;
-  const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
-    return LitVertex{hit,      nullptr, &medium, -direction, NON_DELTA_LOBES, path.walk.nesting,
-                     spectral, hero,    camera,  false,      optical};
+  CameraVertex vertex;
+  vertex.medium = &medium;
+  vertex.wi = -direction;
+  vertex.afterD = camera;
+  const auto arrive = [&](float t) {
+    vertex.hit.point = pointInMedium(path.walk.ray, t);
+    lit.optical = path.walk.optical;
+    lit.optical.travel(t);
+    if (out.recorder) recordScattering(path, vertex.point().position, lit.throughput, *out.recorder);
   };
-  Hit hit;
   if (!medium.isHomogeneous()) {
-    SpectralPath spectral{throughput};
-    const Collision c = sampleCollision(medium, path.walk.ray, end, hero, Absorption::SAMPLED, sampler,
-                                        spectral, [](const Rgb&) {});
-    if (!c.scatters || isBlack(spectral.throughput)) return;
-    hit.point = pointInMedium(path.walk.ray, c.t);
-    if (out.recorder) recordScattering(path, hit.point.position, spectral.throughput, *out.recorder);
-    optical.travel(c.t);
-    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,
-                           panes, sampler, out);
+    static_cast<SpectralPath&>(lit) = {throughput};
+    const Collision c = sampleCollision(medium, path.walk.ray, end, lit.hero, Absorption::SAMPLED, sampler,
+                                        lit, [](const Rgb&) {});
+    if (!c.scatters || isBlack(lit.throughput)) return;
+    arrive(c.t);
+    addSampledLightInMedia(scene, lights, {vertex.point().position}, lit, vertex, false,
+                           settings.lightSamples, panes, sampler, out);
     return;
   }
   const Rgb scattering = medium.at(path.walk.ray.origin).scattering;
@@ -89,13 +92,9 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
     const std::optional<LightAlongRay> s =
         sampleLightAlong(scene, lights, medium, path.walk.ray, end, rays, which, random);
     if (!s) return;
-    hit.point = pointInMedium(path.walk.ray, s->t);
-    optical = path.walk.optical;
-    optical.travel(s->t);
-    const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
-    if (out.recorder) recordScattering(path, hit.point.position, spectral.throughput, *out.recorder);
-    addLightInMedia(scene, vertex(hit, spectral), s->light, s->index, 1 / s->reciprocalPdf, panes, random,
-                    out);
+    static_cast<SpectralPath&>(lit) = {throughput * transmittance.to(s->t) * scattering};
+    arrive(s->t);
+    addLightInMedia(scene, lit, vertex, false, s->light, s->index, 1 / s->reciprocalPdf, panes, random, out);
   };
   int i = 0;
   for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);

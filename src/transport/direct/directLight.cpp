@@ -59,45 +59,47 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
 } // namespace
 
 void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
-                            const LightSampleContext& context, const LitVertex& vertex, int samples,
-                            int maxPanes, Sampler& sampler, PathRadiance& out) {
-  if (!lightIsSampled(scene, out.pathClasses(), vertex.state)) return;
+                            const LightSampleContext& context, const CameraSubpath& path,
+                            const CameraVertex& vertex, bool hasRay, int samples, int maxPanes,
+                            Sampler& sampler, PathRadiance& out) {
+  if (!lightIsSampled(scene, out.pathClasses(), vertex.afterD)) return;
   for (int i = 0; i < samples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
-    const std::optional<LiSample> light = choice.sampleLi(vertex.hit.point);
+    const std::optional<LiSample> light = choice.sampleLi(vertex.point());
     if (!light || !(light->pdf > 0)) continue;
-    addLightInMedia(scene, vertex, *light, choice.chosen.index,
-                    choice.chosen.probability * light->pdf * static_cast<float>(samples), maxPanes, sampler,
-                    out);
+    const float pdf = choice.chosen.probability * light->pdf * static_cast<float>(samples);
+    addLightInMedia(scene, path, vertex, hasRay, *light, choice.chosen.index, pdf, maxPanes, sampler, out);
   }
 }
 
-void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, uint32_t index,
-                     float pdf, int maxPanes, Sampler& sampler, PathRadiance& out) {
-  const Rgb f = vertex.value(light.direction);
+void addLightInMedia(const Scene& scene, const CameraSubpath& path, const CameraVertex& vertex, bool hasRay,
+                     const LiSample& light, uint32_t index, float pdf, int maxPanes, Sampler& sampler,
+                     PathRadiance& out) {
+  const Rgb f = vertex.evaluate(light.direction);
   if (isBlack(f)) return;
   SpectralTransmittance through;
   const PathClasses& classes = out.pathClasses();
-  PaneSteps steps{classes, vertex.state};
-  transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero, maxPanes, sampler,
+  PaneSteps steps{classes, vertex.afterD};
+  transmittanceToLight(scene, vertex.hit, vertex.wi, path.nesting, light, path.hero, maxPanes, sampler,
                        through, out.counts, steps);
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
-  const float bsdfPdf = !light.unhittable && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
+  const auto vertexPdf = [&] { return static_cast<float>(vertex.pdfDirection(light.direction)); };
+  const float bsdfPdf = !light.unhittable && hasRay ? vertexPdf() : 0;
   if (bsdfPdf > 0) density += through.pathPdf * bsdfPdf;
   if (PathRecorder* recorder = out.recorder) {
     recordLightSample(*recorder, recorder->source.vertex, light, pdf, bsdfPdf,
-                      vertex.pdfReverse(light.direction),
+                      static_cast<float>(vertex.pdfReverse(light.direction)),
                       recorded::weightOf(through.lightPdf * pdf, density));
-    recorder->source.vertexPdf = vertex.pdf(light.direction);
+    recorder->source.vertexPdf = vertexPdf();
     recorder->source.panes = steps.panes;
   }
-  density *= vertex.path.pathPdf;
+  density *= path.pathPdf;
   out.add(classes.lightStart(index), steps.state,
-          vertex.path.throughput * f * light.radiance * through.value * (3 / channelSum(density)),
-          vertex.scattering
-              ? lengthToLight(scene, vertex.optical, *vertex.scattering, vertex.wi, vertex.hit.point, light)
-              : vertex.optical.at(distanceToLight(scene, vertex.hit.point.position, light)));
+          path.throughput * f * light.radiance * through.value * (3 / channelSum(density)),
+          vertex.medium
+              ? path.optical.at(distanceToLight(scene, vertex.point().position, light))
+              : lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), light));
 }
 
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,

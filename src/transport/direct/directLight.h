@@ -137,47 +137,19 @@ void forLightHits(const Scene& scene, const LightSampler& lights, const Hit* hit
   }
 }
 
-/** Vertex at which shadow rays start in a scene with media: on a surface or in a medium. */
-struct LitVertex {
-  const Hit& hit;
-  const ScatteringPoint* scattering; ///< null in a medium
-  const Medium* medium;              ///< null at a surface
-  Vec3f wi;                          ///< unit, back along the walk
-  LobeSet allowed;                   ///< lobes of the BSDF ray, see addSampledLight()
-  const Nesting& nesting;
-  const SpectralPath& path;              ///< spectral state on arrival
-  int hero;                              ///< colour channel that draws distances
-  CameraState state;                     ///< state after the event
-  bool hasBsdfRay = true;                ///< false: only shadow rays find light from here
-  OpticalPath optical = {};              ///< on arrival
-  const DirectionGuide* guide = nullptr; ///< see PathVertex, in a medium
+/** Adds the light of one sample of light number `index` at a vertex, through media and at most `maxPanes`
+ * thin panes. `path`: up to the vertex. `hasRay`: the path goes on by a ray that may hit the light. `pdf`:
+ * density of all samples together, including the choice of the light. */
+void addLightInMedia(const Scene& scene, const CameraSubpath& path, const CameraVertex& vertex, bool hasRay,
+                     const LiSample& light, uint32_t index, float pdf, int maxPanes, Sampler& sampler,
+                     PathRadiance& out);
 
-  /** Phase function, or BSDF times the cosine, for light from unit `light`. */
-  Rgb value(const Vec3f& light) const {
-    return medium ? Rgb(medium->phase->value(glm::dot(-wi, light))) : scattering->evaluate(wi, light);
-  }
-  float pdf(const Vec3f& light) const {
-    if (!medium) return scattering->pdf(wi, light, allowed);
-    const float byPhase = medium->phase->value(glm::dot(-wi, light));
-    return guide ? guide->mixturePdf(byPhase, light) : byPhase;
-  }
-  /** Density with which a light path that arrives from unit `light` continues along `wi`. */
-  float pdfReverse(const Vec3f& light) const {
-    return medium ? medium->phase->value(glm::dot(-wi, light))
-                  : scattering->pdf(light, wi, ALL_LOBES, Transport::FLUX);
-  }
-};
-
-/** Adds the light of one sample of light number `index`, through media and at most `maxPanes` thin panes.
- * `pdf`: density of all samples together, including the choice of the light. */
-void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, uint32_t index,
-                     float pdf, int maxPanes, Sampler& sampler, PathRadiance& out);
-
-/** Variant of addSampledLight() for scenes with media, for a walk that continues by the BSDF or the phase
- * function and weights the lights it hits as lightHit() does. */
+/** Variant of addSampledLight() for scenes with media, for a walk that weights the lights it hits as
+ * lightHit() does if it `hasRay`. */
 void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
-                            const LightSampleContext& context, const LitVertex& vertex, int samples,
-                            int maxPanes, Sampler& sampler, PathRadiance& out);
+                            const LightSampleContext& context, const CameraSubpath& path,
+                            const CameraVertex& vertex, bool hasRay, int samples, int maxPanes,
+                            Sampler& sampler, PathRadiance& out);
 
 /** Adds the light of `samples` shadow rays at a connectable vertex of a camera path, at a surface or in a
  * medium, through at most `maxPanes` thin panes. `context`: of the vertex in `lightSampler`. */
@@ -186,11 +158,7 @@ inline void addDirectLight(const Scene& scene, const LightSampler& lightSampler,
                            const CameraVertex& vertex, int samples, int maxPanes, Sampler& sampler,
                            PathRadiance& out) {
   if (scene.hasMedia())
-    addSampledLightInMedia(scene, lightSampler, context,
-                           {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                            vertex.wi, ALL_LOBES, path.nesting, path, path.hero, vertex.afterD, true,
-                            path.optical, vertex.guide},
-                           samples, maxPanes, sampler, out);
+    addSampledLightInMedia(scene, lightSampler, context, path, vertex, true, samples, maxPanes, sampler, out);
   else
     addSampledLight(scene, lightSampler, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
                     vertex.throughput, vertex.afterD, samples, ALL_LOBES, maxPanes, sampler, out,

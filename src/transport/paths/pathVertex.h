@@ -73,15 +73,19 @@ template <class State> struct PathVertex {
   bool isConnectable() const {
     return medium ? allowed != NO_LOBE : (scattering->lobes() & allowed & NON_DELTA_LOBES) != 0;
   }
+  float phase(const Vec3f& wo) const { return medium->phase->value(glm::dot(-wi, wo)); }
+  /** BSDF times the cosine, or phase function, for light from unit `wo` at a vertex of a camera path. */
+  Rgb evaluate(const Vec3f& wo) const { return medium ? Rgb(phase(wo)) : scattering->evaluate(wi, wo); }
   /** Density with which the walk continues towards unit `wo` by a non-delta lobe, with all lobes allowed
    * [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
   double pdfDirection(const Vec3f& wo) const {
-    return double(scattering->pdf(wi, wo, ALL_LOBES, WalkSide<State>::TRANSPORT));
+    if (!medium) return double(scattering->pdf(wi, wo, ALL_LOBES, WalkSide<State>::TRANSPORT));
+    return double(guide ? guide->mixturePdf(phase(wo), wo) : phase(wo));
   }
   /** Density with which a walk from the other end that arrives from unit `wo` continues towards the previous
    * vertex [1/sr]. */
   double pdfReverse(const Vec3f& wo) const {
-    return double(scattering->pdf(wo, wi, ALL_LOBES, WalkSide<State>::REVERSE));
+    return double(medium ? phase(wo) : scattering->pdf(wo, wi, ALL_LOBES, WalkSide<State>::REVERSE));
   }
   /** Density per area with which such a walk samples the previous vertex. */
   double pdfPrevious(const Vec3f& wo) const { return pdfReverse(wo) * toPrevious; }

@@ -20,7 +20,7 @@ void RecordedCameraPath::addVertex(const CameraVertex& vertex) {
 
 void RecordedCameraPath::addStep(const CameraVertex& vertex, const Scatter& s, const Rgb& throughput) {
   RecordedStep step =
-      recordedStep(lastVertex, s, throughput, vertex.medium ? s.pdf : float(vertex.pdfReverse(s.direction)));
+      recordedStep(lastVertex, s, throughput, static_cast<float>(vertex.pdfReverse(s.direction)));
   if (vertex.medium) step.event = PathEvent::V;
   lastStep = recorder->addStep(step);
 }

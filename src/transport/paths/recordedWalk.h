@@ -37,9 +37,7 @@ class RecordedWalk {
       return;
     lobe = s.lobe;
     pdf = s.specular() ? 0 : s.pdf;
-    pdfReverse = s.specular()    ? 0
-                 : vertex.medium ? s.pdf
-                                 : static_cast<float>(vertex.pdfReverse(s.direction));
+    pdfReverse = s.specular() ? 0 : static_cast<float>(vertex.pdfReverse(s.direction));
   }
   /** Callback of Walker::next(): adds the point where a ray that hits nothing has left the scene. */
   auto escape(const LightSubpath& path, const Scene& scene) {
