@@ -5,6 +5,7 @@
  */
 #include <map>
 #include <set>
+#include <utility>
 
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/processorTime.h"
@@ -72,7 +73,7 @@ class VirtualPointLights final : public Integrator {
   }
   bool passHasOneTime() const override { return true; }
   void prepare(const Scene& scene, const PathClasses&) override {
-    learnLights(scene, lights);
+    learned = learnLights(scene, lights);
     // Default clamp distance: scene radius / sqrt(light paths), about the spacing of light paths.
     const float distance = settings.clampChosen
                                ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))
@@ -87,7 +88,9 @@ class VirtualPointLights final : public Integrator {
     virtualLights.clear();
     arena.reset();
     if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
+    statistics.counts = std::exchange(learned, {});
     if (pass.index == 0) {
+      const ProcessorTimer timer(statistics.learningSeconds);
       guide = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
       if (guide.active())
         statistics.notes.push_back(formatted("virtual lights: %.0f %% of the light paths are aimed at "
@@ -273,8 +276,9 @@ class VirtualPointLights final : public Integrator {
 
   VplSettings settings;
   LightSampler lights;
-  float bound = INFINITE; ///< maximum of the geometry term
-  EmissionMixture guide;  ///< emission density of the light paths
+  TransportCounts learned; ///< work of their learning, until forward() returns it
+  float bound = INFINITE;  ///< maximum of the geometry term
+  EmissionMixture guide;   ///< emission density of the light paths
   // State of the current pass:
   Pass current;
   std::vector<VirtualLight> virtualLights;

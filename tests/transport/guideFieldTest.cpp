@@ -103,11 +103,6 @@ TEST(Sampling, TheSquareOfADiskIsTheInverseOfTheConcentricMap) {
   }
 }
 
-TEST(SquareTree, ProbabilitiesOfItsLeavesAddUpToOne) {
-  for (const size_t count : {0u, 1u, 15u, 100u, 10000u, 100000u})
-    EXPECT_NEAR(randomTree(1, count).leafSum(), 1, 1e-6) << count;
-}
-
 TEST(SquareTree, IntegratesToOne) {
   for (uint32_t seed = 0; seed < 2; ++seed) EXPECT_NEAR(integral(randomTree(seed, 20000)), 1, 1e-6);
 }
@@ -117,7 +112,6 @@ TEST(SquareTree, OnePointMakesALeafOfTheLastDepth) {
   const SquareTree tree(points);
   const double whole = std::pow(4.0, SquareTree::MAX_DEPTH);
   EXPECT_NEAR(double(tree.pdf(Vec2f(0.3f, 0.7f))), whole, 0.8 * whole);
-  EXPECT_NEAR(tree.leafSum(), 1, 1e-6);
 }
 
 TEST(SquareTree, PointsWithoutWeightLeaveItUniform) {
@@ -210,7 +204,7 @@ TEST(GuideField, IsTheSameForAnyNumberOfThreads) {
     const ThreadPool pool(threads);
     GuideField field;
     field.build(records, 0.01f);
-    std::vector<float> out{float(field.cellCount()), float(field.nodeCount())};
+    std::vector<float> out{float(field.cellCount())};
     for (int i = 0; i < 500; ++i) {
       const GuideRecord& r = records[size_t(i)];
       const GuideCell* cell = field.find(r.position, r.normal);

@@ -219,7 +219,7 @@ TEST(LightSampler, WhatLearningTookIsTold) {
     const uint64_t first = pass(), second = pass(); // the second pass has nothing to learn
     return first - second;
   };
-  EXPECT_EQ(raysOfFirstPass("path", ""), learning);
+  for (const char* name : {"path", "bdpt", "vcm"}) EXPECT_EQ(raysOfFirstPass(name, ""), learning) << name;
   EXPECT_EQ(raysOfFirstPass("auto", "\"integer passes\" 0 \"integer photons\" 2000"), learning);
   EXPECT_EQ(raysOfFirstPass("photonmap",
                             "\"integer passes\" 0 \"integer photons\" 2000 \"bool causticsonly\" true"),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
+#include <utility>
 
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
@@ -60,7 +61,7 @@ ParameterSpec guidedStartsParameter() {
 }
 
 void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
-  if (settings.shadowRays) learnLights(scene, lights);
+  if (settings.shadowRays) learned = learnLights(scene, lights);
   lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
                                        : double(scene.film().width) * double(scene.film().height);
   if (scene.lights().size() == 0) lightPaths = 0;
@@ -194,6 +195,7 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
   subpaths.clear();
   photonVertices.clear();
+  statistics.counts = std::exchange(learned, {});
   if (lightPaths == 0) return statistics;
   if (settings.guided && pass.index == 0) {
     const ProcessorTimer timer(statistics.learningSeconds);

@@ -52,7 +52,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
   if (pass.index > 0 && skipsEmission) return statistics;
   const auto start = std::chrono::steady_clock::now();
-  if (pass.index == 0) learnEmission(scene, classes, pass, control, shadowRays, statistics);
+  if (pass.index == 0) learnStarts(scene, classes, pass, control, shadowRays, statistics);
   ShootSettings shoot = shootSettings(scene, shadowRays);
   shoot.lightPaths = control.lightPaths;
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
@@ -113,9 +113,9 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                          100 * guidance.emission.boxPart()));
 }
 
-void PhotonPass::learnEmission(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                               const ForwardControl& control, const LightSampler& shadowRays,
-                               ForwardStatistics& statistics) {
+void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                             const ForwardControl& control, const LightSampler& shadowRays,
+                             ForwardStatistics& statistics) {
   const ProcessorTimer timer(statistics.learningSeconds);
   guidance = {};
   media = {};

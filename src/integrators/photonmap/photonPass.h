@@ -131,9 +131,9 @@ class PhotonPass {
   ShootSettings shootSettings(const Scene& scene, const LightSampler& shadowRays) const;
   void buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot, ForwardStatistics& statistics);
   /** Learns from trial photons, once for all passes, where photons start and which are stored. */
-  void learnEmission(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                     const ForwardControl& control, const LightSampler& shadowRays,
-                     ForwardStatistics& statistics);
+  void learnStarts(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                   const ForwardControl& control, const LightSampler& shadowRays,
+                   ForwardStatistics& statistics);
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);

@@ -5,6 +5,7 @@
  */
 #include <algorithm>
 #include <queue>
+#include <utility>
 
 #include "integrators/radiosity/patches.h"
 #include "recurse/core/io/text.h"
@@ -33,7 +34,7 @@ class Radiosity final : public Integrator {
   Radiosity(int rays, float patchSize) : rays(rays), patchSize(patchSize) {}
 
   void prepare(const Scene& scene, const PathClasses& classes) override {
-    learnLights(scene, lights);
+    learned = learnLights(scene, lights);
     patches.dice(scene, patchSize);
     states = classes.lightStateCount();
   }
@@ -50,7 +51,11 @@ class Radiosity final : public Integrator {
                                               "light: only shapes at rest with one diffuse "
                                               "material, which can be divided into patches, reflect it",
                                               patches.ignoredShapes()));
-    guide = learnEmission(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
+    statistics.counts = std::exchange(learned, {});
+    {
+      const ProcessorTimer timer(statistics.learningSeconds);
+      guide = learnEmission(scene, classes, pass.seed, -1, control, statistics.counts);
+    }
     solve(scene, classes, pass, control, statistics);
     reconstruct();
     statistics.photonsEmitted = static_cast<uint64_t>(rays);
@@ -260,7 +265,8 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
-  EmissionMixture guide; ///< emission density of the rays from the lights
+  TransportCounts learned; ///< work of their learning, until forward() returns it
+  EmissionMixture guide;   ///< emission density of the rays from the lights
   Patches patches;
   size_t states = 1;                 ///< number of states of a light path
   std::vector<Rgb> received;         ///< irradiance without direct light [W/area], by patch, side and state

@@ -86,7 +86,7 @@ float depthBelow(const Scene& scene, const Vec3f& position, const Vec3f& normal,
 }
 
 /** Finds the walls that rays along the surface hit within the region's radius, rising from it or ending just
- * above it. `met` gets the distances, infinite if there is none. */
+ * above it. `distances`: infinite where there is none. */
 template <size_t N>
 void findWalls(const Scene& scene, float error, const GatherRegion& region,
                const std::array<Vec3f, N>& directions, std::array<float, N>& distances, Neighbourhood& found,

@@ -220,9 +220,4 @@ GuideStatistics GuideField::statistics() const {
   return out;
 }
 
-size_t GuideField::nodeCount() const {
-  return std::accumulate(cells.begin(), cells.end(), size_t(0),
-                         [](size_t sum, const GuideCell& c) { return sum + c.tree.nodeCount(); });
-}
-
 } // namespace recurse

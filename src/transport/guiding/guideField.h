@@ -78,7 +78,6 @@ class GuideField {
   /** Number of cells that guide. */
   size_t cellsOn() const { return on; }
   GuideStatistics statistics() const;
-  size_t nodeCount() const;
 
   static constexpr size_t MAX_RECORDS = 500;  ///< records in a cell before it is divided
   static constexpr double MIN_EFFECTIVE = 32; ///< effective records (Kish 1965) below which a cell is off

@@ -145,19 +145,4 @@ Vec2f SquareTree::sample(Vec2f u, float& density) const {
   }
 }
 
-double SquareTree::leafSum() const {
-  std::vector<double> probability(nodes.size());
-  probability[0] = 1;
-  double sum = 0;
-  for (size_t node = 0; node < nodes.size(); ++node) // children follow their parents
-    for (size_t quarter = 0; quarter < 4; ++quarter) {
-      const double p = probability[node] * double(nodes[node].fraction[quarter]);
-      if (const uint32_t child = nodes[node].child[quarter])
-        probability[child] = p;
-      else
-        sum += p;
-    }
-  return sum;
-}
-
 } // namespace recurse

@@ -36,8 +36,6 @@ class SquareTree {
   Vec2f sample(Vec2f u, float& density) const;
 
   size_t nodeCount() const { return nodes.size(); }
-  /** Sum of the probabilities of all leaves, for tests. */
-  double leafSum() const;
 
   static constexpr double MAX_MASS = 0.01;
   static constexpr double MIN_EFFECTIVE = 16;

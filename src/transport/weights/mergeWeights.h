@@ -25,11 +25,29 @@ inline float arrivalDensity(LightKind kind, const LePdf& pdf, float distance, fl
   return density * cosine * emitted / chosen;
 }
 
+/** Factor of a ratio of densities between camera rays and photons, along a path of delta events. */
+class DensityRatio {
+ public:
+  /** Updates the ratio when the path arrives at a surface. */
+  void arrive(const Vec3f& direction, const SurfacePoint& at) {
+    const float cosine = absDot(direction, at.geometricNormal);
+    ratio = cosine > 0 ? ratio / cosine : 0;
+  }
+  /** Updates the ratio when the path leaves a surface by a delta lobe. */
+  void leave(const Vec3f& direction, const SurfacePoint& from) {
+    ratio *= absDot(direction, from.geometricNormal);
+  }
+
+ protected:
+  explicit DensityRatio(float ratio) : ratio(ratio) {}
+  float ratio;
+};
+
 /** Photon's factor of the ratio (camera ray : photon), for a kernel of unit area and a ray of density 1. */
-class ReverseRatio {
+class ReverseRatio : public DensityRatio {
  public:
   /** Ratio 0: no camera ray finds the path. */
-  ReverseRatio() = default;
+  ReverseRatio() : DensityRatio(0) {}
   /** Ratio at the emission. `probability`: of the choice of the light; 0 for lights that no ray can hit. */
   static ReverseRatio atLight(const LeRay& emitted, const LePdf& pdf, float probability) {
     const float density = pdf.position * pdf.direction * probability;
@@ -49,37 +67,20 @@ class ReverseRatio {
     return ReverseRatio(pdf > 0 ? -std::abs(ratio) * pdfBack / pdf * absDot(direction, from.geometricNormal)
                                 : 0);
   }
-  /** Updates the ratio when the photon arrives at a surface. */
-  void arrive(const Vec3f& direction, const SurfacePoint& at) {
-    divideBy(absDot(direction, at.geometricNormal));
-  }
-  /** Updates the ratio when the photon leaves a surface by a delta lobe. */
-  void leave(const Vec3f& direction, const SurfacePoint& from) {
-    ratio *= absDot(direction, from.geometricNormal);
-  }
   float value() const { return ratio; }
 
  private:
-  explicit ReverseRatio(float ratio) : ratio(ratio) {}
-  void divideBy(float cosine) { ratio = cosine > 0 ? ratio / cosine : 0; }
-  float ratio = 0;
+  using DensityRatio::DensityRatio;
 };
 
 /** Camera's factor of the ratio (photon : camera ray), from a non-delta vertex where photons are merged. */
-class MergeRatio {
+class MergeRatio : public DensityRatio {
  public:
   /** Ratio 0: no photon could find the path. */
-  MergeRatio() = default;
+  MergeRatio() : DensityRatio(0) {}
   /** `mergeDensity`: photons emitted · kernel area [area]; `pdf`: density of the ray's direction [1/sr]. */
   MergeRatio(float mergeDensity, float pdf, const Vec3f& direction, const SurfacePoint& from)
-      : ratio(mergeDensity * absDot(direction, from.geometricNormal) / pdf) {}
-  void arrive(const Vec3f& direction, const SurfacePoint& at) {
-    const float cosine = absDot(direction, at.geometricNormal);
-    ratio = cosine > 0 ? ratio / cosine : 0;
-  }
-  void leave(const Vec3f& direction, const SurfacePoint& from) {
-    ratio *= absDot(direction, from.geometricNormal);
-  }
+      : DensityRatio(mergeDensity * absDot(direction, from.geometricNormal) / pdf) {}
   /** MIS weight of a camera ray that has hit the light; for area lights after `arrive`. */
   float cameraWeight(const LePdf& pdf, float probability) const {
     return 1 / (1 + ratio * pdf.position * pdf.direction * probability);
@@ -87,9 +88,6 @@ class MergeRatio {
   /** MIS weight of a camera ray at a surface lit straight by a light, after `arrive`. `pdf`: density with
    * which a photon is scattered from there to the ray's origin [1/sr]. */
   float cameraWeight(float arrivals, float pdf) const { return 1 / (1 + ratio * arrivals * pdf); }
-
- private:
-  float ratio = 0;
 };
 
 /** Factor by which the mean over a block of 8x8 pixels reduces the variance of density estimates, over that
