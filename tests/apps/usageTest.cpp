@@ -377,6 +377,18 @@ TEST_F(ProgramUsage, IntegratorsThatStandForOthersSaySo) {
   EXPECT_TRUE(has(o.err, "mlt.pbrt:5:12: warning: \"mlt\" is rendered by \"path\"")) << o.err;
 }
 
+TEST_F(ProgramUsage, IntegratorsOfTheCommandLineHaveNoPlaceInTheFile) {
+  write("fog.pbrt", scene("Integrator \"bdpt\"\n",
+                          "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n"
+                          "MediumInterface \"fog\" \"\"\nMaterial \"interface\"\nShape \"sphere\"\n"));
+  const auto warning = [&](const char* integrator) {
+    return run({"render", "fog.pbrt", "-q", "-o", "fog.exr", "--integrator", integrator}).err;
+  };
+  EXPECT_TRUE(has(warning("bdpt"), "fog.pbrt:5:12: warning: \"bdpt\" cannot render media"))
+      << warning("bdpt");
+  EXPECT_EQ(warning("vcm").find("warning: \"vcm\" cannot render media"), 0u) << warning("vcm");
+}
+
 TEST_F(ProgramUsage, ErrorsThatRepeatAreToldOnceWithTheirPlaces) {
   std::string shapes;
   for (int i = 0; i < 5; ++i) shapes += "Shape \"sphere\" \"float radus\" 1\n";

@@ -138,11 +138,13 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
              (nearest.empty() ? "" : "; did you mean " + joined(nearest, " or ") + "?") +
              "; there are: " + joined(registry.names()));
   }
-  // A radius in the file suits the file's method; a different integrator finds its own.
-  if (named() && name != fromFile.type)
+  if (named() && name != fromFile.type) {
+    out.location = {}; // the file does not name it
+    // A radius in the file suits the file's method; a different integrator finds its own.
     std::erase_if(out.parameters, [&](const ParsedParameter& p) {
       return p.name == "radius" || !findSpec(entry->parameters, p.name);
     });
+  }
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
   // --photons is a number per pass: it sets "passes" to 0, unless "passes" is given.
