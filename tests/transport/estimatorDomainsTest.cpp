@@ -385,7 +385,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightS
     bool escaped = false;
     if (!findLight(scene, point, light->direction, *chosen.light, hit, escaped)) continue;
     const BsdfRay ray{place, scattering.pdf(wi, light->direction, allowed), true};
-    Rgb weighted, plain;
+    Rgb weighted = BLACK, plain = BLACK;
     forLightHits(scene, guide, escaped ? nullptr : &hit, spawn(point, light->direction), ray, n, nullptr,
                  [&](const LightHit& found) {
                    weighted += found.weighted;

@@ -205,7 +205,7 @@ TEST(Methods, VirtualLightsAreDarkInCornersUnlessCompensated) {
   const std::string few = "\"integer lightpaths\" " + std::to_string(samples(64));
   const BatchMeans truth = classMeans(*scene, {"path", ""}, two, samples(192), 8);
   const auto means = [&](const std::string& more) {
-    return classMeans(*scene, {"vpl", few + more}, two, samples(32), 8);
+    return classMeans(*scene, {"vpl", few + more}, two, samples(64), 8);
   };
   const BatchMeans clamped = means(" \"float clampdistance\" 1 \"bool compensate\" false");
   // Sanitizers have few light paths.

@@ -52,7 +52,7 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
 
 /** Random numbers of light path `number` of a pass, in a stream distinct from those of pixels. */
 inline Sampler lightPathSampler(const Pass& pass, uint64_t number) {
-  constexpr uint64_t STREAM = 0x50484f544f4e53ull;
+  constexpr uint64_t STREAM = 0x4c49474854504154ull;
   return Sampler(hashCombine(pass.seed, pass.index), STREAM + (number >> 32), static_cast<uint32_t>(number));
 }
 

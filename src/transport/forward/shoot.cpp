@@ -18,6 +18,8 @@ namespace recurse {
 
 namespace {
 
+/** Sampler stream of photons, distinct from the streams of pixels. */
+constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
 /** Number of initial batches: enough to occupy all threads and to predict the number of stored photons. */
 constexpr size_t FIRST_BATCHES = 64;
 
@@ -97,7 +99,9 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     PhotonWalk walk(scene, classes, settings, batches[b].counts, batches[b].photons);
     for (uint64_t i = firstPhoton(b); i < firstPhoton(b + 1); ++i) {
       walk.record = recorder && recorder->isRecorded(i) ? &batches[b].record : nullptr;
-      walk.shoot(lightPathSampler(pass, i), pass.time);
+      walk.shoot(
+          Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)),
+          pass.time);
     }
     const size_t n = ++done;
     if (const std::unique_lock lock(reporting, std::try_to_lock); lock)
