@@ -28,9 +28,7 @@ class Auto final : public Integrator {
   }
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
-  void prepare(const Scene& scene, const PathClasses& classes) override {
-    mapper->prepare(scene, classes);
-  }
+  void prepare(const Scene& scene, const PathClasses& classes) override { mapper->prepare(scene, classes); }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     if (pass.index == 0) instead.reset();
@@ -111,7 +109,8 @@ class Auto final : public Integrator {
       for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
       return rounds;
     };
-    std::unique_ptr<Integrator> paths = makePathTracing({settings.maxDepth, settings.lightSamples}, &mapper->lightSampler());
+    std::unique_ptr<Integrator> paths =
+        makePathTracing({settings.maxDepth, settings.lightSamples}, &mapper->lightSampler());
     paths->prepare(scene, classes);
     const Rounds traced = counted({trial.take(*paths, 0), trial.take(*paths, 1)});
     if (control.stopped()) return; // no note on an incomplete trial
