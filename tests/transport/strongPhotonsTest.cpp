@@ -63,7 +63,7 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
     return shot;
   };
   const Shot whole = shoot();
-  settings.splitPower = whole.strongest / 4;
+  settings.splitPower = whole.strongest / 4 * float(settings.photons);
   const Shot split = shoot();
   const Mean a(whole.fluxes), b(split.fluxes);
   EXPECT_NEAR(b.value / a.value, 1, 4 * std::hypot(a.error, b.error) / a.value);
@@ -125,7 +125,7 @@ Shape "bilinearmesh" "point3 P" [ -2 2 0  2 2 0  -2 2 4  2 2 4 ]
   };
   const Shot whole = shoot();
   EXPECT_EQ(whole.coincident, 0u);
-  settings.splitPower = whole.strongest / 16;
+  settings.splitPower = whole.strongest / 16 * float(settings.photons);
   const Shot split = shoot();
   EXPECT_EQ(split.coincident, 0u);
   EXPECT_NEAR(split.flux / whole.flux, 1, 4 * std::sqrt(whole.squares + split.squares) / whole.flux);

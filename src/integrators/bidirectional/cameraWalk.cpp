@@ -10,6 +10,7 @@
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/boundaryCorrection.h"
 #include "transport/direct/directLight.h"
+#include "transport/direct/recordedLight.h"
 #include "transport/paths/recordedSample.h"
 #include "transport/paths/walker.h"
 #include "transport/photonmap/photonMapQuery.h"
@@ -129,18 +130,17 @@ class Bidirectional::CameraWalk {
 
   /** Adds the emission of the surface `hit`, or of the environment lights if it is null. */
   void addEmission(const Hit* hit) {
-    forLightHits(scene, owner.lights, hit, path.ray, {}, 1, nullptr, [&](const LightHit& found) {
-      addHit(found.index, found.emitted, found.radiance, path.optical.at(found.beyond));
-    });
+    if (owner.settings.hits)
+      forLightHits(scene, owner.lights, hit, path.ray, {}, 1, nullptr,
+                   [&](const LightHit& found) { addHit(found); });
   }
 
-  /** Adds technique C_k: a hit of the light, by a path of optical `length`. */
-  void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance, float length) {
-    if (!owner.settings.hits) return;
+  /** Adds technique C_k: a hit of the light. */
+  void addHit(const LightHit& found) {
     double weight = 1;
     std::optional<WeightedPath> full;
     if (vertices.size() > 1) {
-      const LightEnd end = lightEnd(scene, owner.emission(), index, ray, last);
+      const LightEnd end = lightEnd(scene, owner.emission(), found.index, found.emitted, last);
       copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
@@ -148,18 +148,15 @@ class Bidirectional::CameraWalk {
       weight = hitWeight(*full);
     }
     if (out.recorder) {
-      const bool isInfinite = ray.normal == Vec3f(0);
-      out.recorder->source = {.technique = PathTechnique::HIT,
-                              .vertex = recordedVertex,
-                              .step = recordedStep,
-                              .end = isInfinite ? path.ray.direction : ray.origin,
-                              .isInfinite = isInfinite,
-                              .weight = static_cast<float>(weight),
-                              .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
+      recordHit(*out.recorder, recordedStep, found, {});
+      RecordedSource& s = out.recorder->source;
+      s.vertex = recordedVertex;
+      s.weight = static_cast<float>(weight);
+      s.pdf = path.delta ? 0 : static_cast<float>(path.pdf);
       if (full) recordWeights(*full);
     }
-    out.add(classes.lightStart(index), path.state, path.throughput * radiance * static_cast<float>(weight),
-            length);
+    out.add(classes.lightStart(found.index), path.state,
+            path.throughput * found.radiance * static_cast<float>(weight), path.optical.at(found.beyond));
   }
 
   /** Adds technique C_k-1: a shadow ray. */

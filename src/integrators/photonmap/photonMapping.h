@@ -1,5 +1,5 @@
 /** @file
- * Photon mapping estimator, and the parameters of the plug-ins that offer it under their names.
+ * Photon mapping estimator, and the parameters of its plug-ins.
  */
 #pragma once
 

@@ -80,7 +80,7 @@ ShootSettings PhotonPass::shootSettings(const Scene& scene, const LightSampler& 
   if (usesMedia(scene)) shoot.emission.media = &emissiveMedia;
   shoot.inMedia = media;
   shoot.region = &region;
-  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
+  shoot.splitPower = guidance.splitPower;
   return shoot;
 }
 
@@ -214,7 +214,6 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
   media.byBeams.assign(scene.mediumCount() + 1u, false);
   for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
     media.byBeams[i] = settings.beams && keepsBeams(*scene.medium(i));
-  shoot.splitPower *= static_cast<float>(shoot.photons) / float(TRIALS);
   shoot.photons = TRIALS;
   shoot.inMedia = media;
   Pass trial = pass;

@@ -46,8 +46,8 @@ struct GatherSettings {
    * fraction of the area within `radius`, so that no photon is brighter than over that area. Requires
    * `radius` > 0. */
   bool leavesLightToRays = false;
-  /** Irradiance by all light at a record near the point, summed over channels [W/m²]. An estimate whose
-   * photons bring much less is made at random; 0: all estimates are made. */
+  /** Irradiance by all light at a record near the point, summed over channels [W/m²]. If the photons of a
+   * support have much less, Russian roulette decides whether it is estimated; 0: it always is. */
   float expected = 0;
   GatherErrors errors = {};
   float unknownWeightWithin(float radius2) const {

@@ -111,10 +111,10 @@ struct BsdfRay {
 
 /** Emission that a camera ray has found: of a surface, or of an environment light as it left the scene. */
 struct LightHit {
-  uint32_t index = 0; ///< of the light
+  uint32_t index = 0; ///< index of the light in LightTable
   const Light* light = nullptr;
   const Hit* hit = nullptr; ///< null for an environment light
-  LeRay emitted;            ///< the same ray as the light emits it
+  LeRay emitted;            ///< reversed ray, as the light emits it
   Rgb radiance;             ///< towards the ray's origin
   float beyond = 0;         ///< distance of the light from the end of the path [scene units]
   float shadowRays = 0;     ///< density of the shadow rays that compete [1/sr]

@@ -31,7 +31,7 @@ struct LightSampleContext {
 struct LightArrivals {
   struct Arrival {
     Vec3f position, normal; ///< normal: on the lit side
-    uint32_t leaf;          ///< of the light in the tree
+    uint32_t leaf;          ///< leaf of the light in LightTree
   };
   /** Number of signed axes. Arrivals are stored by the one nearest to the normal. */
   static constexpr size_t SIDES = 6;

@@ -40,7 +40,7 @@ struct LightTree {
   };
   /** Chooses a leaf below a node by the number `u` in [0,1), which is replaced by a new uniform number. */
   Chosen choose(const Cluster& below, const Vec3f& position, double& u) const;
-  /** Probability of a leaf among those of its cluster. */
+  /** Probability that choose() chooses a leaf from its cluster. */
   double probability(const Vec3f& position, uint32_t leaf) const;
 
   /** Descent from a node to a leaf. */

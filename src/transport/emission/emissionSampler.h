@@ -50,10 +50,11 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
                                             Sampler& sampler, TransportCounts& counts,
                                             const EmissionMixture* mixture = nullptr);
 
-/** Random numbers of light path `number` of a pass, in a stream distinct from those of pixels. */
-inline Sampler lightPathSampler(const Pass& pass, uint64_t number) {
-  constexpr uint64_t STREAM = 0x4c49474854504154ull;
-  return Sampler(hashCombine(pass.seed, pass.index), STREAM + (number >> 32), static_cast<uint32_t>(number));
+/** Sampler stream of light paths, distinct from the streams of pixels. */
+constexpr uint64_t LIGHT_PATH_STREAM = 0x4c49474854504154ull;
+/** Sampler of light path `number` in a pass. `stream`: distinct from the streams of pixels. */
+inline Sampler lightPathSampler(const Pass& pass, uint64_t number, uint64_t stream = LIGHT_PATH_STREAM) {
+  return Sampler(hashCombine(pass.seed, pass.index), stream + (number >> 32), static_cast<uint32_t>(number));
 }
 
 /** Follows light path `number` of a pass to its end: calls visit(path, vertex) at each vertex, before the

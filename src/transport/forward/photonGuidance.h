@@ -14,7 +14,7 @@ namespace recurse {
 /** Guidance of photons: their starts, splitting and number. */
 struct PhotonGuidance {
   EmissionMixture emission;
-  float splitPower = INFINITE; ///< ShootSettings::splitPower times the number of photons emitted [W]
+  float splitPower = INFINITE; ///< see ShootSettings
   double storedPhotons = 1;    ///< number of photons stored for each one emitted
 };
 

@@ -42,8 +42,9 @@ class PhotonWalk {
     storesDirect = settings.direct || !origin.end.light;
     PhotonPath photon;
     photon.path = origin.path;
-    photon.path.throughput /= static_cast<float>(settings.photons);
-    splitPower = std::max(settings.splitPower, maxComponent(photon.path.throughput) / MAX_SPLIT);
+    const auto photons = static_cast<float>(settings.photons);
+    photon.path.throughput /= photons;
+    splitPower = std::max(settings.splitPower / photons, maxComponent(photon.path.throughput) / MAX_SPLIT);
     if (origin.end.light && origin.end.isIntersectable())
       photon.ratio = ReverseRatio::atLight(origin.end.ray, origin.pdf, origin.probability);
     photon.record = RecordedWalk(record, 1);
@@ -219,7 +220,7 @@ class PhotonWalk {
   bool storesDirect = true; ///< see ShootSettings::direct
   /** Maximum number of photons that one emitted photon is split into, at all its surfaces together. */
   static constexpr float MAX_SPLIT = 256;
-  float splitPower = INFINITE; ///< power from twice of which on the current photon is split [W]
+  float splitPower = INFINITE; ///< approximate power of each photon that the current one is split into [W]
 };
 
 } // namespace recurse

@@ -99,9 +99,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     PhotonWalk walk(scene, classes, settings, batches[b].counts, batches[b].photons);
     for (uint64_t i = firstPhoton(b); i < firstPhoton(b + 1); ++i) {
       walk.record = recorder && recorder->isRecorded(i) ? &batches[b].record : nullptr;
-      walk.shoot(
-          Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)),
-          pass.time);
+      walk.shoot(lightPathSampler(pass, i, PHOTON_STREAM), pass.time);
     }
     const size_t n = ++done;
     if (const std::unique_lock lock(reporting, std::try_to_lock); lock)

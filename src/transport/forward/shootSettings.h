@@ -54,8 +54,9 @@ struct ShootSettings {
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: there are no shadow rays. */
   const LightSampler* shadowRays = nullptr;
   KeptInMedia inMedia;
-  const VisibleRegion* region = nullptr;   ///< region in which strong photons are split; null: none
-  float splitPower = INFINITE;             ///< approximate power of each photon after a split
+  const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
+  /** Approximate power of each photon after a split, times the number of photons emitted [W]. */
+  float splitPower = INFINITE;
   LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 

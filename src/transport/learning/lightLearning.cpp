@@ -105,17 +105,19 @@ TransportCounts learnLights(const Scene& scene, LightSampler& lights, bool withP
       if (!walker.scatter(path, vertex, sampler)) return;
     }
   };
-  std::vector<LightArrivals> seen =
+  const std::vector<LightArrivals> seen =
       followCameraPaths(scene, static_cast<int>(std::sqrt(double(photons / LOOKS))), MAX_BRANCHING_DEPTH,
                         LOOK_STREAM, counts, LightArrivals(), follow);
-  for (const Found& f : found) {
-    seen.push_back(f.arrivals);
-    counts.add(f.counts);
-  }
   LightArrivals all;
-  for (const LightArrivals& some : seen)
+  const auto append = [&](const LightArrivals& some) {
     for (size_t side = 0; side < LightArrivals::SIDES; ++side)
       all.bySide[side].insert(all.bySide[side].end(), some.bySide[side].begin(), some.bySide[side].end());
+  };
+  for (const LightArrivals& some : seen) append(some);
+  for (const Found& f : found) {
+    append(f.arrivals);
+    counts.add(f.counts);
+  }
   lights.learn(scene.lights(), all);
   return counts;
 } catch (const Interrupted&) {

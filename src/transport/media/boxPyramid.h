@@ -92,8 +92,8 @@ class BoxPyramid {
   /** Index of the first item of a node; the items end where the next node begins. */
   size_t firstOf(uint32_t level, size_t index) const { return count * index >> level; }
   static bool intersects(const Bounds3f& box, const Vec3f& origin, const Vec3f& inverse, float end) {
-    // For a ray in the plane of a side 0 · infinity is NaN, which min and max in this order ignore for the
-    // lower side. Exactly in the plane of the upper side a ray misses: boxes are wider than what they hold.
+    // For a ray in the plane of a side, 0 · infinity is NaN. In this order, min and max ignore it at the
+    // lower side. At the upper side the ray misses, which is harmless: boxes are wider than their contents.
     float enter = 0, leave = end;
     for (int a = 0; a < 3; ++a) {
       const float t0 = (box.lower[a] - origin[a]) * inverse[a], t1 = (box.upper[a] - origin[a]) * inverse[a];
