@@ -81,7 +81,7 @@ class Bidirectional::CameraWalk {
   }
 
   /** Records the weights of all techniques for the latest source. */
-  void recordWeights(const WeightedPath& full) {
+  void recordWeights(const WeightedPath& full) const {
     std::vector<RecordedWeight>& list = out.recorder->weights;
     RecordedSource& s = out.recorder->source;
     s.firstWeight = list.size();

@@ -7,6 +7,7 @@
 
 #include "transport/density/gatherChoice.h"
 #include "transport/density/radiusCache.h"
+#include "transport/direct/directLight.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/weights/mergeWeights.h"
 

@@ -142,8 +142,8 @@ std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, c
                     throughPortals * pdfThrough(upToHere, point, beside->direction);
     return beside;
   }
-  const auto last = upToHere.begin() + std::ptrdiff_t(openings.size()) - 1;
-  const auto chosen = std::upper_bound(upToHere.begin(), last, pick / throughPortals * all);
+  const float* const last = upToHere.begin() + std::ptrdiff_t(openings.size()) - 1;
+  const float* const chosen = std::upper_bound(upToHere.cbegin(), last, pick / throughPortals * all);
   const Opening& o = openings[size_t(chosen - upToHere.begin())];
   const Vec2f at = o.lower + u * (o.upper - o.lower);
   Vec3f towards(0);
@@ -170,7 +170,7 @@ float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, con
   return (1 - throughPortals) * byLight + throughPortals * pdfThrough(upToHere, from, direction);
 }
 
-PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, TransportCounts& counts) {
+PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, TransportCounts& counts) const {
   constexpr int MAX_ACROSS = 32, MAX_DEPTH = 3;
   constexpr int SAMPLES = 16; // enough to estimate the square of their mean
   const auto& lights = scene.environment();

@@ -53,7 +53,7 @@ class PortalSampler {
     std::array<double, PARTS.size()> absolute{};
     std::array<double, PARTS.size()> relative{}; ///< divided by the squared radiance of each path
   };
-  SecondMoments secondMoments(const Scene& scene, TransportCounts& counts);
+  SecondMoments secondMoments(const Scene& scene, TransportCounts& counts) const;
 
   std::vector<Opening> openings;
   float throughPortals = 0;

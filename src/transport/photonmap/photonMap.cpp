@@ -145,7 +145,7 @@ struct PhotonMap::Builder {
   size_t count = 0;
 
   /** Copies the positions of the finite photons into the keys. Returns their number. */
-  size_t takePositions() {
+  size_t takePositions() const {
     const size_t chunks = (photons.size() + CHUNK - 1) / CHUNK;
     std::atomic<bool> allFinite{true};
     parallelFor(chunks, [&](size_t chunk) {
