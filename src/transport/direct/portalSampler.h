@@ -29,7 +29,7 @@ class PortalSampler {
   float pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const;
 
  private:
-  static constexpr int LEVELS = 4; // at most 2^LEVELS boxes, as each shadow ray evaluates all
+  static constexpr int LEVELS = 3; // at most 2^LEVELS boxes, as each shadow ray evaluates all
   /** Cumulative sums of the boxes' shares of the rays from a point. */
   using Shares = std::array<float, 1 << LEVELS>;
   /** Computes the cumulative sums for a point: chances over squared distances. Returns the total. */
