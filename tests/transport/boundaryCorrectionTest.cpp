@@ -466,16 +466,20 @@ class NarrowGap {
   Hit hit;
 };
 
-TEST(BoundaryCorrection, MergeDensitiesDoNotDependOnTheSupport) {
-  // A support may be left out at random: the weights of rays must be the same.
+TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
   NarrowGap gap;
   PhotonMap map;
   map.build(onFloor(1, 20000));
+  gap.settings.weighedAgainstRays = true;
   gap.settings.mergeDensity = 3;
   float radiance = 0;
+  gap.settings.leavesLightToRays = true;
   const GatherResult result = gap.estimate(map, radiance);
   EXPECT_LT(result.radius, .05f);
-  EXPECT_NEAR(result.mergeDensity, 3 * PI * square(.2f), 1e-5f);
+  EXPECT_NEAR(result.mergeDensity, 3 * PI * square(result.radius), 1e-6f);
+  // Where estimates are left out at random, weights do not depend on the outcome.
+  gap.settings.leavesLightToRays = false;
+  EXPECT_NEAR(gap.estimate(map, radiance).mergeDensity, 3 * PI * square(.2f), 1e-5f);
 }
 
 TEST(BoundaryCorrection, FaintEstimatesAreMadeAtRandomWithTheSameMean) {
@@ -513,20 +517,20 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
   std::erase_if(behind, [](const Photon& p) { return p.position.x > -.5f; });
   elsewhere.build(behind);
   float whole = 0, part = 0, none = 0;
-  EXPECT_EQ(gap.estimate(map, whole).weight, 1);
-  for (const GatherErrors& errors : {GatherErrors(), GatherErrors{1, .01}}) {
-    const bool isKnown = errors.variance > 0;
-    ASSERT_EQ(errors.photonWeight(1), isKnown ? 1 : 0);
+  EXPECT_EQ(gap.estimate(map, whole).unknownWeight, 1);
+  settings.errors = {1, .01};
+  ASSERT_EQ(settings.errors.photonWeight(1), 1);
+  for (const bool weighed : {false, true}) {
     settings.leavesLightToRays = true;
-    settings.errors = errors;
+    settings.weighedAgainstRays = weighed;
     const GatherResult used = gap.estimate(map, part);
     ASSERT_LT(used.radius, .05f);
     const float left = square(used.radius / settings.radius);
-    EXPECT_NEAR(used.weight, isKnown ? errors.photonWeight(double(left)) : left, 1e-5f);
-    EXPECT_LT(used.weight, .99f);
-    EXPECT_NEAR(part, used.weight * whole, 1e-5f * whole);
+    EXPECT_NEAR(used.unknownWeight, weighed ? settings.errors.photonWeight(double(left)) : left, 1e-5f);
+    EXPECT_LT(used.unknownWeight, .99f);
+    EXPECT_NEAR(part, used.unknownWeight * whole, 1e-5f * whole);
     // The weight of rays does not depend on the presence of photons.
-    EXPECT_EQ(gap.estimate(elsewhere, none).weight, used.weight);
+    EXPECT_EQ(gap.estimate(elsewhere, none).unknownWeight, used.unknownWeight);
   }
 }
 

@@ -67,7 +67,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
   const auto emission = [&](const Hit* hit) { addEmission(scene, path, hit, out); };
   const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
   for (;;) {
-    path.walk.needed = path.weights.share == 0 ? DELTA_LOBES : NO_LOBE;
+    path.walk.needed = path.weights.share == 0 && path.weights.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
     if (!walker.next(
             path.walk, vertex, sampler, emission, [](const Rgb&) {}, flight))
       return;
@@ -137,14 +137,18 @@ void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, 
     return;
   }
   path.walk.state = vertex.afterD;
-  path.remainingWeight *= std::exchange(path.weights.share, 1);
-  if (path.remainingWeight == 0 || out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   VertexEstimates at;
+  at.direct = std::exchange(path.weights.direct, {});
+  at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
+  at.direct.unknownWeight = std::exchange(path.weights.share, 1);
   if (!settings.directLight) {
     at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
-    addDirectLight(scene, path, at.context, vertex, sampler, out);
+    addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
   }
-  addFromMaps(scene, path, vertex, sampler, at, out);
+  at.directWeight = path.remainingWeight;
+  path.remainingWeight *= at.direct.unknownWeight;
+  if (at.direct.unknownWeight > 0) addFromMaps(scene, path, vertex, sampler, at, out);
 
   const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
   path.walk.throughput /= static_cast<float>(rays);
@@ -164,11 +168,17 @@ void PhotonMapping::addFromMaps(const Scene& scene, const PathState& path, const
   at.causticMergeDensity =
       addPhotons(scene, photons.caustics(), causticIrradiances, caustics, vertex, path, sampler, out)
           .mergeDensity;
-  if (settings.causticsOnly) return;
+  if (settings.causticsOnly) {
+    at.indirect.unknownWeight = 0;
+    return;
+  }
   weighIndirect(path, indirect);
-  if (indirect.settings.weight > 0)
-    at.indirectWeight =
-        addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out).weight;
+  const GatherSettings& gather = indirect.settings;
+  at.weighsIndirect = gather.weighedAgainstRays;
+  at.indirect.mergeDensity = gather.mergeDensity;
+  at.indirect.unknownWeight = gather.unknownWeight;
+  if (gather.unknownWeight > 0 || gather.mergeDensity > 0)
+    at.indirect = addPhotons(scene, photons.indirect(), irradiances, indirect, vertex, path, sampler, out);
 }
 
 void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walker, const PathState& path,
@@ -185,21 +195,29 @@ void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walke
   weights.lightShare = at.byRays                         ? 1
                        : scattering.lobes() & LAMBERTIAN ? 0
                                                          : settings.weighting.followed(s->pdf);
-  weights.share = 1 - at.indirectWeight * (1 - weights.lightShare);
+  weights.share = at.direct.unknownWeight > 0 ? 1 - at.indirect.unknownWeight * (1 - weights.lightShare) : 0;
+  if (at.weighsIndirect)
+    weights.direct = {1 - weights.lightShare,
+                      MergeRatio(at.indirect.mergeDensity, s->pdf, s->direction, vertex.point())};
+  if (at.direct.merged > 0)
+    weights.shared = {at.direct, at.directWeight, scattering.pdfNonDelta(s->direction, vertex.wi),
+                      absDot(s->direction, vertex.point().geometricNormal)};
   if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
   weights.merge = MergeRatio(at.causticMergeDensity, s->pdf, s->direction, vertex.point());
-  if (weights.share > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
+  if (weights.share > 0 || weights.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
 }
 
 void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
                               const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
   path.walk.state = vertex.afterD;
   path.remainingWeight *= std::exchange(path.weights.share, 1);
+  path.weights.direct = {};
   if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   VertexEstimates at;
   at.byRays = true;
   at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
-  addDirectLight(scene, path, at.context, vertex, sampler, out);
+  at.indirect.unknownWeight = 0;
+  addDirectLight(scene, path, at.context, {}, vertex, sampler, out);
   followNonDelta(scene, walker, path, vertex, at, sampler.fork(DeltaScatters::MAX_COUNT + 2), out);
 }
 

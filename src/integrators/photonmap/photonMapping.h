@@ -33,8 +33,11 @@ bool mediaOnlyAbsorb(const Scene& scene);
 struct VertexEstimates {
   bool byRays = false;           ///< no photons are stored there
   LightSampleContext context;    ///< context that the shadow rays are sampled with
+  PhotonShare direct;            ///< share of photons in the light that shadow rays sample
+  float directWeight = 0;        ///< PathState::remainingWeight without the weight of `direct`
   float causticMergeDensity = 0; ///< merge density of caustic photons, see MergeRatio
-  float indirectWeight = 0;      ///< weight of the photons of indirect light
+  bool weighsIndirect = false;   ///< see GatherSettings::weighedAgainstRays
+  GatherResult indirect;         ///< weights of the photons of indirect light
 };
 
 /** Photon mapping: emitted light, plus the photon maps' estimate at non-delta surfaces, plus mirror and
@@ -131,9 +134,16 @@ class PhotonMapping final : public Integrator {
   // ------------------------------------------------------------------------------------------------- lights
   /** Adds the emission of a surface, or of the environment lights if `hit` is null. */
   void addEmission(const Scene& scene, const PathState& path, const Hit* hit, PathRadiance& out) const;
-  /** Adds shadow rays. */
+  /** Adds shadow rays. Light that arrives through no pane may be shared with photons. */
   void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
-                      const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const;
+                      const PhotonShare& share, const CameraVertex& vertex, Sampler& sampler,
+                      PathRadiance& out) const;
+  /** Whether directly hit light is shared with photons. */
+  static bool isShared(const PathState& path) {
+    return path.weights.shared.share.merged > 0 && !path.delta && !path.panes;
+  }
+  /** Adds light that a path has found, shared with photons. */
+  void addShared(const Scene& scene, const PathState& path, const LightHit& found, PathRadiance& out) const;
   /** MIS weights of hit light against shadow rays: none from the camera or through mirrors and glass, where
    * no shadow rays find it. */
   BsdfRay directWeights(const PathState& path) const {

@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <cmath>
+
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/directLight.h"
 #include "transport/paths/walker.h"
@@ -10,10 +12,33 @@
 
 namespace recurse {
 
+/** Weights of light straight to a surface, shared with photons that are merged at the previous surface. */
+struct PhotonShare {
+  float merged = 0;        ///< fraction of the light that the weights of mergeWeights.h apply to
+  MergeRatio ratio;        ///< merge ratio up to the surface
+  float unknownWeight = 1; ///< weight of the camera path where the photons' density is unknown
+
+  /** Weight of the camera path; `pdf`: of photons scattered by the surface back along the path [1/sr]. */
+  float camera(float arrivals, float pdf) const {
+    if (merged == 0 || !std::isfinite(arrivals)) return unknownWeight;
+    return 1 - merged + merged * ratio.cameraWeight(arrivals, pdf);
+  }
+};
+
+/** Ray that may hit light shared with photons. */
+struct SharedRay {
+  PhotonShare share;
+  float remainingWeight = 0; ///< PathState::remainingWeight without the weight of `share`
+  float pdf = 0;             ///< see PhotonShare::camera()
+  float cosine = 0;          ///< cosine at the surface that the ray leaves
+};
+
 /** MIS weights of the light that a ray finds, from the last non-delta vertex or the camera on. */
 struct RayWeights {
   bool byRays = true;   ///< no photons are stored at that vertex: the camera, or a point on a curve
   float share = 1;      ///< weight of light scattered by media and at the next non-delta vertex
+  PhotonShare direct;   ///< weights of the direct light at that vertex; its `unknownWeight` becomes `share`
+  SharedRay shared;     ///< directly hit light against photons
   BsdfRay bsdfRay;      ///< directly hit light against shadow rays
   MergeRatio merge;     ///< light hit through mirrors and glass, against photons
   float lightShare = 1; ///< weight of hit emission where photons carry all light

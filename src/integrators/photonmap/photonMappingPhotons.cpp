@@ -14,13 +14,13 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
     return;
   }
   if (mayGoOn() && photons.hasTooFewPhotons()) {
-    gather.weight = 0;
+    gather.unknownWeight = 0;
   } else if (path.nonDelta == 0) {
-    gather.weight = settings.finalGather > 0 ? 0 : 1;
+    gather.unknownWeight = settings.finalGather > 0 ? 0 : 1;
   } else {
     // A surface closer than the blur of the map would see it, and needs rays instead.
     const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
-    gather.weight = path.distance < blur ? 0 : 1;
+    gather.unknownWeight = path.distance < blur ? 0 : 1;
   }
 }
 
@@ -50,6 +50,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
               path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
     GatherResult weights;
     weights.mergeDensity = mergeDensityWithin(search.mergeDensity, square(search.radius));
+    weights.unknownWeight = search.unknownWeight;
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
@@ -78,7 +79,9 @@ bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& q
 
 GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
   GatherSettings search = photons.searchWithin(layer, layer.cache.record(query.cached.index).radius);
+  search.weighedAgainstRays = query.settings.weighedAgainstRays;
   search.mergeDensity = query.settings.mergeDensity;
+  search.unknownWeight = query.settings.unknownWeight;
   return search;
 }
 

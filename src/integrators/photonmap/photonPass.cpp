@@ -52,9 +52,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
   if (pass.index > 0 && skipsEmission) return statistics;
   const auto start = std::chrono::steady_clock::now();
-  if (pass.index == 0) learnStarts(scene, classes, pass, control, statistics);
-  ShootSettings shoot = shootSettings(scene);
-  if (pass.index == 0 && !settings.directLight) shoot.shadowRays = &shadowRays;
+  if (pass.index == 0) learnStarts(scene, classes, pass, control, shadowRays, statistics);
+  ShootSettings shoot = shootSettings(scene, shadowRays);
   shoot.lightPaths = control.lightPaths;
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
@@ -70,10 +69,11 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   return statistics;
 }
 
-ShootSettings PhotonPass::shootSettings(const Scene& scene) const {
+ShootSettings PhotonPass::shootSettings(const Scene& scene, const LightSampler& shadowRays) const {
   ShootSettings shoot;
   shoot.photons = photonCount(scene, progressive);
   shoot.maxDepth = settings.maxDepth;
+  if (!settings.directLight) shoot.shadowRays = &shadowRays;
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
   shoot.emission = emission();
@@ -114,7 +114,8 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
 }
 
 void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                             const ForwardControl& control, ForwardStatistics& statistics) {
+                             const ForwardControl& control, const LightSampler& shadowRays,
+                             ForwardStatistics& statistics) {
   const ProcessorTimer timer(statistics.learningSeconds);
   guidance = {};
   media = {};
@@ -123,9 +124,9 @@ void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, con
     statistics.warnings.push_back("no sampled light from an emitting medium reached the scene: it adds no "
                                   "indirect light; check \"sigma_a\", \"Le\" and its boundary");
   if (settings.guided && scene.lights().size() > 0)
-    learnGuidance(scene, classes, pass.seed, shootSettings(scene), control, statistics);
+    learnGuidance(scene, classes, pass.seed, shootSettings(scene, shadowRays), control, statistics);
   if (usesMedia(scene))
-    learnMedia(scene, classes, pass, shootSettings(scene), control, statistics);
+    learnMedia(scene, classes, pass, shootSettings(scene, shadowRays), control, statistics);
 }
 
 void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot,

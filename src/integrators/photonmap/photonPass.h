@@ -20,7 +20,7 @@ enum class Mechanism {
   SHADOW_OPENINGS, ///< shadow rays to an environment go through openings
   SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
-  MERGE_WEIGHTS    ///< caustic photons and rays are weighted by their densities
+  MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
 };
 
 struct PhotonPassSettings {
@@ -106,6 +106,10 @@ class PhotonPass {
   /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and
    * glass, or has left the scene towards an environment light. */
   float rayWeight(const Scene& scene, MergeRatio merge, const LightHit& found) const;
+  /** Density of the photons that arrive at a point straight from a light, see arrivalDensity(). `pdf`: result
+   * of pdfLe(); `cosine`: at the surface there; `chosen`: the light's probability for shadow rays. */
+  float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                 float chosen) const;
 
   /** Parameters of the search at a point. A single pass searches the nearest photons, or within a given
    * radius. One of many passes shrinks the radius that the first pass has learned there. */
@@ -125,11 +129,12 @@ class PhotonPass {
   /** Whether photons are stored in media, and start in emissive media. */
   bool usesMedia(const Scene& scene) const { return scene.hasMedia() && !settings.causticsOnly; }
   /** Settings of a pass, by what is learned. */
-  ShootSettings shootSettings(const Scene& scene) const;
+  ShootSettings shootSettings(const Scene& scene, const LightSampler& shadowRays) const;
   void buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot, ForwardStatistics& statistics);
   /** Learns from trial photons, once for all passes, where photons start and which are stored. */
   void learnStarts(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                   const ForwardControl& control, ForwardStatistics& statistics);
+                   const ForwardControl& control, const LightSampler& shadowRays,
+                   ForwardStatistics& statistics);
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);

@@ -75,6 +75,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   if (progressive || settings.edges) here.cached = layer.cache.at(point.position, point.normalTowards(wi));
   if (progressive) here.settings = searchWithin(layer, here.cached.radius);
   if (&layer == &causticLayer && !settings.directLight) {
+    here.settings.weighedAgainstRays = true;
     here.settings.mergeDensity = static_cast<float>(emitted);
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.mergeDensity = ALL_TO_PHOTONS;
@@ -87,20 +88,28 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
 
 void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   GatherSettings& gather = query.settings;
-  gather.weight = 0;
+  gather.weighedAgainstRays = settings.without != Mechanism::MERGE_WEIGHTS;
+  gather.mergeDensity = gather.unknownWeight = 0;
   if (tooFew || indirectLayer.cache.size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Record& record = indirectLayer.cache.record(query.cached.index);
+  const double independent = independence(double(gather.radius / std::max(footprint, FLT_MIN)));
+  gather.mergeDensity = static_cast<float>(double(emitted) * independent);
   const auto variance = double(record.variance);
   if (!std::isfinite(variance) || !(variance > 0)) return; // no photons there in the first pass
-  const double independent = independence(double(gather.radius / std::max(footprint, FLT_MIN)));
   gather.errors = {double(record.raysVariance), variance / independent};
-  gather.weight = gather.errors.photonWeight(1);
+  gather.unknownWeight = gather.errors.photonWeight(1);
 }
 
 float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const LightHit& found) const {
   if (found.hit) merge.arrive(-found.emitted.direction, found.hit->point);
   return merge.cameraWeight(pdfLe(found.index, *found.light, found.emitted), probability(scene, found.index));
+}
+
+float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                           float chosen) const {
+  return arrivalDensity(scene.lights()[light].kind(), pdf, distance, cosine, probability(scene, light),
+                        chosen);
 }
 
 GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {

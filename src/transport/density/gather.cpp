@@ -59,7 +59,8 @@ class Estimate {
            const GatherSettings& settings, const GatherResult& weights, const PathClasses& classes,
            CameraState cameraState, std::vector<Candidate>& candidates)
       : candidates(candidates), scattering(scattering), eye(eye), weighting(settings.weighting),
-        cameraState(cameraState), states(classes.lightStateCount()), mergeDensity(weights.mergeDensity),
+        cameraState(cameraState), states(classes.lightStateCount()), weighed(settings.weighedAgainstRays),
+        mergeDensity(weights.mergeDensity), unknownWeight(weights.unknownWeight),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal), cosines(point.normalTowards(eye), shadingSide) {
@@ -186,33 +187,33 @@ class Estimate {
     }
   }
 
-  /** Whether photons have MIS weights. */
-  bool isWeighed() const { return mergeDensity > 0; }
-
   /** BSDF times the photon's weight against rays and MIS weight. */
   Rgb value(const Vec3f& light, float reverseRatio) const {
     const Rgb f = scattering.value(eye, light);
-    if (isBlack(f) || !(isWeighed() || weighting.ever())) return f;
+    if (isBlack(f) || !(weighed || weighting.ever())) return f;
     const float pdf = scattering.pdfNonDelta(eye, light);
-    return f *
-           (weighting.gathered(pdf) * (isWeighed() ? photonWeight(reverseRatio, mergeDensity, pdf) : 1));
+    return f * (weighting.gathered(pdf) *
+                (weighed ? photonWeight(reverseRatio, mergeDensity, pdf, unknownWeight) : 1));
   }
 
   /** Weights of photons at a Lambertian surface; 0 from behind the shading normal. */
   Float8 counted(Float8 weight, const PhotonBlock& block) const {
-    const bool isShared = isWeighed() && block.reverseRatios;
-    if (!bent && !isShared) return weight;
+    if (!bent && !weighed) return weight;
+    if (!bent && !block.reverseRatios) return weight * Float8(unknownWeight);
     Float8 cosine;
     if (bent) {
       const PhotonCosines::Pair pair = cosines.of(block);
       cosine = max(pair.shading, Float8(0));
       weight = weight * max(pair.quotient(), Float8(0));
-      if (!isShared) return weight;
+      if (!weighed) return weight;
+      if (!block.reverseRatios) return weight * Float8(unknownWeight);
     } else {
       cosine = max(dot(block.directions(), shadingSide), Float8(0));
     }
-    const Float8 density(mergeDensity), ratio = Float8::load(block.reverseRatios);
-    return weight * density / max(density + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
+    const Float8 ratio = Float8::load(block.reverseRatios);
+    const Float8 share =
+        Float8(mergeDensity) / max(Float8(mergeDensity) + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
+    return weight * select(less(Float8(0), ratio), share, Float8(unknownWeight));
   }
 
   void addLanes(size_t i, const Vec3f8& power) {
@@ -228,7 +229,8 @@ class Estimate {
   GatherWeighting weighting;
   CameraState cameraState;
   size_t states;
-  float mergeDensity;
+  bool weighed;
+  float mergeDensity, unknownWeight;
   bool lambertian;
   Vec3f shadingSide;
   bool bent; ///< the shading normal differs from the geometric normal
@@ -351,7 +353,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                     const Sampler* sampler, const OpticalPath& optical) {
   ++out.counts.gathers;
   GatherResult result;
-  result.weight = settings.weight;
+  result.unknownWeight = settings.unknownWeight;
   result.mergeDensity =
       mergeDensityWithin(settings.mergeDensity, square(std::max(settings.radius, footprint / 2)));
   if (map.empty()) return result;
@@ -363,13 +365,16 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
-  result.weight = settings.weightWithin(support.radius2);
+  if (settings.leavesLightToRays)
+    result.mergeDensity = mergeDensityWithin(settings.mergeDensity, support.radius2);
+  result.unknownWeight = settings.unknownWeightWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
   thread_local std::vector<Candidate> candidates;
   Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState, candidates);
   const Rgb scale = throughput * support.scale *
-                    (result.weight * INV_PI / (support.radius2 * support.fraction));
+                    ((settings.weighedAgainstRays ? 1 : result.unknownWeight) * INV_PI /
+                     (support.radius2 * support.fraction));
   if (estimate.oneSum() && !map.hasLengths()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
@@ -413,11 +418,11 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
   const float mergeDensity = mergeDensityWithin(settings.mergeDensity, square(settings.radius));
   const PowerSum s =
       sumPower(map, support, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
-        if (!(mergeDensity > 0) || !block.reverseRatios) return weight;
+        if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
           shares[lane] = photonWeight(block.reverseRatios[lane], mergeDensity,
-                                      absDot(block.direction(lane), normal) * INV_PI);
+                                      absDot(block.direction(lane), normal) * INV_PI, settings.unknownWeight);
         return weight * Float8::load(shares);
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);

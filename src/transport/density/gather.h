@@ -16,8 +16,8 @@
 
 namespace recurse {
 
-/** Variances of irradiance in the first pass [W²/m⁴]: by a ray, and by photons. They determine the weights of
- * both. */
+/** Variances of irradiance in the first pass [W²/m⁴]: by a ray, and by photons. They determine the weight of
+ * photons whose ratio to rays is unknown. */
 struct GatherErrors {
   double byRays = 0, variance = 0;
   /** Weight of photons in a support with this fraction of the area within GatherSettings::radius. */
@@ -36,31 +36,33 @@ struct GatherSettings {
   float radius = 0;          ///< search radius, or its maximum if `nearest` is set [scene units]
   float flatness = 0.2f;     ///< flatness of the search region, see GatherRegion
   GatherWeighting weighting; ///< against rays that follow sharp lobes; default: no such rays
-  /** Merge density of unit kernel area: caustic photons share their paths with camera rays by the MIS weights
-   * of mergeWeights.h. 0: they do not. */
-  float mergeDensity = 0;
-  float weight = 1; ///< weight of all photons
-  /** Whether the caller's rays add the light that photons lack. The weight then depends on the support: it
-   * follows from `errors` if they are known; else it is `weight` times the support's fraction of the area
-   * within `radius`, so that no photon is brighter than over that area. Requires `radius` > 0. */
+  /** Whether photons share their paths with camera rays by the MIS weights of mergeWeights.h. `mergeDensity`:
+   * merge density of unit kernel area. `unknownWeight`: weight of photons whose ratio is unknown; of all
+   * photons if they are not weighed. */
+  bool weighedAgainstRays = false;
+  float mergeDensity = 0, unknownWeight = 1;
+  /** Whether the caller's rays add the light that photons lack. The unknown weight then depends on the
+   * support: it follows from `errors` if photons are weighed; else it is `unknownWeight` times the support's
+   * fraction of the area within `radius`, so that no photon is brighter than over that area. Requires
+   * `radius` > 0. */
   bool leavesLightToRays = false;
   /** Irradiance by all light at a record near the point, summed over channels [W/m²]. If the photons of a
    * support have much less, Russian roulette decides whether it is estimated; 0: it always is. */
   float expected = 0;
-  GatherErrors errors = {}; ///< variance 0: unknown
-  float weightWithin(float radius2) const {
-    if (!leavesLightToRays) return weight;
+  GatherErrors errors = {};
+  float unknownWeightWithin(float radius2) const {
+    if (!leavesLightToRays) return unknownWeight;
     const float areaFraction = std::min(1.0f, radius2 / square(radius));
-    return errors.variance > 0 ? errors.photonWeight(double(areaFraction)) : weight * areaFraction;
+    return weighedAgainstRays ? errors.photonWeight(double(areaFraction)) : unknownWeight * areaFraction;
   }
 };
 
 /** Support and weights that an estimate used. */
 struct GatherResult {
-  float radius = 0;       ///< radius of the support [scene units]
-  int found = 0;          ///< number of photons in the support
-  float mergeDensity = 0; ///< merge density of the kernel's whole area, see MergeRatio
-  float weight = 1;       ///< see GatherSettings::weightWithin()
+  float radius = 0;        ///< radius of the support [scene units]
+  int found = 0;           ///< number of photons in the support
+  float mergeDensity = 0;  ///< merge density of the kernel's whole area, see MergeRatio
+  float unknownWeight = 1; ///< see GatherSettings::unknownWeightWithin()
 };
 
 /**

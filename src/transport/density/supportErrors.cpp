@@ -40,8 +40,8 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
         sum += brings;
         variance += brings * brings;
         noise += difference * difference;
-        const float density =
-            block.reverseRatio(lane) * absDot(block.direction(lane), region.normal) * INV_PI;
+        const float ratio = std::abs(block.reverseRatio(lane));
+        const float density = ratio * absDot(block.direction(lane), region.normal) * INV_PI;
         rays += brings * Float8(std::min(total * byRays.emitted / std::max(density, FLT_MIN), rarest));
       }
     });

@@ -106,14 +106,14 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
-                     const OpticalPath& optical) {
+                     const OpticalPath& optical, const ShadowRayWeight& weight) {
   const PathClasses& classes = out.pathClasses();
   if (!lightIsSampled(scene, classes, cameraState)) return;
   for (int i = 0; i < samples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
     if (!light) continue;
-    const Rgb radiance =
+    Rgb radiance =
         unshadowedRadiance(scattering, wi, throughput, *light, choice.chosen.probability, samples, allowed);
     if (isBlack(radiance)) continue;
     Rgb free;
@@ -131,6 +131,11 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
       recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
                         choice.chosen.probability, samples, allowed);
       out.recorder->source.panes = steps.panes;
+    }
+    if (weight) {
+      const float against = weight(choice.chosen, *light, steps.panes);
+      if (out.recorder) out.recorder->source.weight *= against;
+      radiance *= against;
     }
     out.add(classes.lightStart(choice.chosen.index), steps.state, radiance * free,
             lengthToLight(scene, optical, scattering, wi, hit.point, *light));

@@ -5,6 +5,8 @@
  */
 #pragma once
 
+#include <functional>
+
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
 #include "transport/paths/pathVertex.h"
@@ -81,18 +83,22 @@ inline void recordLightSample(PathRecorder& recorder, int vertex, const Scatteri
                     light.unhittable ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
+/** MIS weight of the light of a shadow ray against other techniques than BSDF rays; `panes`: number of thin
+ * panes passed. */
+using ShadowRayWeight = std::function<float(const ChosenLight& light, const LiSample& sample, int panes)>;
+
 /**
  * Adds the light of `samples` shadow rays at a point with non-delta lobes, through at most `maxPanes` thin
  * panes, seen from unit `wi` with `throughput`. `cameraState`: state after the D event at the point.
  * `allowed`: lobes from which the BSDF ray is sampled. `nesting`: state of the walk that arrived. `context`:
  * the point's context in `lightSampler`. The weights of BSDF rays that hit lights must not include densities
- * of media. `optical`: optical path of the walk on arrival.
+ * of media. `optical`: optical path of the walk on arrival. `weight`: empty for 1.
  */
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
-                     const OpticalPath& optical = {});
+                     const OpticalPath& optical = {}, const ShadowRayWeight& weight = {});
 
 /** BSDF ray, as needed for the MIS weight of a light that it hits, directly or straight through thin
  * panes. */

@@ -1,9 +1,9 @@
 /** @file
- * Ratios of the densities of photons merged at a surface and of camera rays that leave it, for paths that both
- * find. Caustics (LS+D) have balance-heuristic weights (Veach 1997, section 9.2.2), with the density of a
- * merged photon of Georgiev et al. 2012. Densities of delta lobes are taken as equal on both sides, so that
- * each side carries only one number: the ratio of the two densities over its part of the path. The ratios of
- * other photons of the first pass tell the second moment of rays, see supportErrors().
+ * MIS weights between photons merged at a surface and camera rays that leave it, where both find the same
+ * paths: caustics (LS+D), and direct light of the next surface (LDD). They are balance-heuristic weights
+ * (Veach 1997, section 9.2.2), with the density of a merged photon of Georgiev et al. 2012. Densities of
+ * delta lobes are taken as equal on both sides, so that each side carries only one number: the ratio of the
+ * two densities over its part of the path.
  */
 #pragma once
 
@@ -61,9 +61,11 @@ class ReverseRatio : public DensityRatio {
     return ReverseRatio(density > 0 ? absDot(direction, from.geometricNormal) / density : 0);
   }
   /** Ratio of a photon that other non-delta surfaces have scattered before, and that leaves by a non-delta
-   * lobe with `pdf`, where a ray is sent back the same way with `pdfBack` [1/sr]. */
+   * lobe with `pdf`, where a ray is sent back the same way with `pdfBack` [1/sr]. Negative: merged photons
+   * are not weighted by it. */
   ReverseRatio furtherOn(float pdfBack, float pdf, const Vec3f& direction, const SurfacePoint& from) const {
-    return ReverseRatio(pdf > 0 ? ratio * pdfBack / pdf * absDot(direction, from.geometricNormal) : 0);
+    return ReverseRatio(pdf > 0 ? -std::abs(ratio) * pdfBack / pdf * absDot(direction, from.geometricNormal)
+                                : 0);
   }
   float value() const { return ratio; }
 
@@ -83,6 +85,9 @@ class MergeRatio : public DensityRatio {
   float cameraWeight(const LePdf& pdf, float probability) const {
     return 1 / (1 + ratio * pdf.position * pdf.direction * probability);
   }
+  /** MIS weight of a camera ray at a surface lit straight by a light, after `arrive`. `pdf`: density with
+   * which a photon is scattered from there to the ray's origin [1/sr]. */
+  float cameraWeight(float arrivals, float pdf) const { return 1 / (1 + ratio * arrivals * pdf); }
 };
 
 /** Factor by which the mean over a block of 8x8 pixels reduces the variance of density estimates, over that
@@ -101,9 +106,10 @@ inline float mergeDensityWithin(float perArea, float radius2) {
 }
 
 /** MIS weight of a merged photon. `pdf`: density with which the BSDF samples its direction [1/sr];
- * `mergeDensity`: above 0. */
-inline float photonWeight(float reverseRatio, float mergeDensity, float pdf) {
-  return mergeDensity / std::max(mergeDensity + reverseRatio * pdf, FLT_MIN);
+ * `unknownWeight`: weight of photons whose ratio is not above 0. */
+inline float photonWeight(float reverseRatio, float mergeDensity, float pdf, float unknownWeight) {
+  return reverseRatio > 0 ? mergeDensity / std::max(mergeDensity + reverseRatio * pdf, FLT_MIN)
+                          : unknownWeight;
 }
 
 } // namespace recurse
