@@ -16,7 +16,9 @@ class RayCast final : public Integrator {
  public:
   explicit RayCast(const Rgb& ambient) : ambient(ambient) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override { learnLights(scene, lights); }
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
+    return learnLights(scene, lights);
+  }
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {

@@ -25,8 +25,9 @@ class SimplePhotonMap final : public Integrator {
   SimplePhotonMap(uint64_t photons, const GatherSettings& search, int maxDepth)
       : photons(photons), search(search), maxDepth(maxDepth) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override {
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
     if (!(search.radius > 0)) search.radius = MAX_RADIUS * scene.bounds().radius;
+    return {};
   }
   bool passHasOneTime() const override { return true; }
 

@@ -5,7 +5,6 @@
  */
 #include <map>
 #include <set>
-#include <utility>
 
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/processorTime.h"
@@ -72,13 +71,13 @@ class VirtualPointLights final : public Integrator {
     return Passes::fixed(samplesPerPixel > 0 ? std::min(settings.passes, samplesPerPixel) : settings.passes);
   }
   bool passHasOneTime() const override { return true; }
-  void prepare(const Scene& scene, const PathClasses&) override {
-    learned = learnLights(scene, lights);
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
     // Default clamp distance: scene radius / sqrt(light paths), about the spacing of light paths.
     const float distance = settings.clampChosen
                                ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))
                                : settings.clampDistance;
     bound = distance > 0 ? 1 / square(distance) : INFINITE;
+    return learnLights(scene, lights);
   }
 
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -88,7 +87,6 @@ class VirtualPointLights final : public Integrator {
     virtualLights.clear();
     arena.reset();
     if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
-    statistics.counts = std::exchange(learned, {});
     if (pass.index == 0) {
       const ProcessorTimer timer(statistics.learningSeconds);
       guide = learnEmission(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
@@ -276,7 +274,6 @@ class VirtualPointLights final : public Integrator {
 
   VplSettings settings;
   LightSampler lights;
-  TransportCounts learned; ///< work of their learning, until forward() returns it
   float bound = INFINITE;  ///< maximum of the geometry term
   EmissionMixture guide;   ///< emission density of the light paths
   // State of the current pass:

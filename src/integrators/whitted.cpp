@@ -17,7 +17,9 @@ class Whitted final : public Integrator {
   Whitted(int maxDepth, float minWeight)
       : maxDepth(maxDepth < 0 ? LOSSLESS_ROULETTE_DEPTH : maxDepth), minWeight(minWeight) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override { learnLights(scene, lights); }
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
+    return learnLights(scene, lights);
+  }
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {

@@ -188,7 +188,7 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
     throw Error("the integrator cannot render " + unsupported);
   {
     const ProcessorTimer timer(statistics.learningProcessorSeconds);
-    integrator.prepare(scene, classes);
+    statistics.counts.add(integrator.prepare(scene, classes));
   }
   if (integrator.splats()) {
     requireMemory("the splats of the film", // of all passes unless they are resumed, and of one

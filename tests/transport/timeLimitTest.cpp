@@ -104,7 +104,9 @@ RenderStatistics renderSlowPasses(SlowPasses& integrator, double limit) {
 class StoppingPaths : public Integrator {
  public:
   explicit StoppingPaths(int64_t count) : paths(integratorFrom("path", "")), left(count) {}
-  void prepare(const Scene& scene, const PathClasses& classes) override { paths->prepare(scene, classes); }
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override {
+    return paths->prepare(scene, classes);
+  }
   Passes passes(int samplesPerPixel) const override { return paths->passes(samplesPerPixel); }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {

@@ -128,7 +128,7 @@ Seen seeThrough(const Scene& scene, Ray ray, Sampler& sampler, TransportCounts& 
   return seen;
 }
 
-void Tracer::prepare(const Scene& scene, const PathClasses& classes) {
+TransportCounts Tracer::prepare(const Scene& scene, const PathClasses& classes) {
   constexpr LobeSet DIFFUSE = REFLECTION | LAMBERTIAN, GLASS = MIRROR | REFRACTION;
   bool isKnown = !(scene.contents().lobes & ~(DIFFUSE | GLASS)) && !scene.hasMedia();
   for (const SceneShape& shape : scene.shapes()) {
@@ -147,6 +147,7 @@ void Tracer::prepare(const Scene& scene, const PathClasses& classes) {
     if (!isBlack(light.radiance(point, -point.geometricNormal)))
       throw Error("the lamps of the course shine from one side only");
   }
+  return {};
 }
 
 void Tracer::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const {

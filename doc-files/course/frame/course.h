@@ -90,7 +90,7 @@ class Tracer : public Integrator {
 
   /** Throws Error where the scene has more than diffuse surfaces, smooth mirrors, glass, and lamps that shine
    * from the front of a surface. */
-  void prepare(const Scene& scene, const PathClasses& classes) override;
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override;
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
 };
 

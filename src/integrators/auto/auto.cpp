@@ -28,7 +28,9 @@ class Auto final : public Integrator {
   }
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
-  void prepare(const Scene& scene, const PathClasses& classes) override { mapper->prepare(scene, classes); }
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override {
+    return mapper->prepare(scene, classes);
+  }
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     if (pass.index == 0) instead.reset();

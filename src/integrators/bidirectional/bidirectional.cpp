@@ -60,13 +60,13 @@ ParameterSpec guidedStartsParameter() {
                           "where light enters through small openings or from a far lamp");
 }
 
-void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
-  if (settings.shadowRays) learned = learnLights(scene, lights);
+TransportCounts Bidirectional::prepare(const Scene& scene, const PathClasses&) {
   lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
                                        : double(scene.film().width) * double(scene.film().height);
   if (scene.lights().size() == 0) lightPaths = 0;
   splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
   surfaces = settings.merges && lightPaths > 0 && !scene.moves() ? probeSurfaces(scene) : RadiusCache();
+  return settings.shadowRays ? learnLights(scene, lights) : TransportCounts();
 }
 
 double Bidirectional::mergeRadius(double footprint) const {
@@ -195,7 +195,6 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
   subpaths.clear();
   photonVertices.clear();
-  statistics.counts = std::exchange(learned, {});
   if (lightPaths == 0) return statistics;
   if (settings.guided && pass.index == 0) {
     const ProcessorTimer timer(statistics.learningSeconds);

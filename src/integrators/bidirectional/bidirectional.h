@@ -33,7 +33,7 @@ class Bidirectional : public Integrator {
   Passes passes(int) const override { return Passes::perSample(); }
   bool splats() const override { return settings.splats; }
   bool passHasOneTime() const override { return true; }
-  void prepare(const Scene& scene, const PathClasses& classes) override;
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override;
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override;
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
@@ -78,7 +78,6 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
-  TransportCounts learned; ///< work of their learning, until forward() returns it
   EmissionMixture starts;  ///< not active unless `guided`
   RadiusCache surfaces;    ///< surface geometry for merges; its radii are not used
   double lightPaths = 0;   ///< number in each pass

@@ -14,10 +14,10 @@ class LightPath final : public Bidirectional {
  public:
   explicit LightPath(const BidirectionalSettings& settings) : Bidirectional(settings) {}
   std::string claims() const override { return "L(S|D)*DE"; }
-  void prepare(const Scene& scene, const PathClasses& classes) override {
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override {
     if (!scene.camera().isConnectable())
       throw Error("lightpath needs a camera to which light paths can be connected, such as \"perspective\"");
-    Bidirectional::prepare(scene, classes);
+    return Bidirectional::prepare(scene, classes);
   }
 };
 

@@ -3,8 +3,6 @@
  */
 #include "integrators/path/pathTracing.h"
 
-#include <utility>
-
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
@@ -70,8 +68,8 @@ class PathTracing final : public Integrator {
       : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided),
         training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override {
-    if (&lightSampler == &ownLights) learned = learnLights(scene, ownLights);
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
+    return &lightSampler == &ownLights ? learnLights(scene, ownLights) : TransportCounts();
   }
 
   Passes passes(int) const override { return guided ? Passes::doubling() : Passes::oneMap(); }
@@ -79,7 +77,6 @@ class PathTracing final : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses&, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
-    statistics.counts = std::exchange(learned, {});
     if (guided) {
       const ProcessorTimer timer(statistics.learningSeconds);
       training.prepare(scene, lightSampler, pass, control, statistics.counts);
@@ -359,7 +356,6 @@ class PathTracing final : public Integrator {
   GuideTraining training;
   LightSampler ownLights;
   const LightSampler& lightSampler;
-  TransportCounts learned; ///< work of learning, until it is reported
 };
 
 } // namespace

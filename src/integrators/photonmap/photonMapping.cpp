@@ -18,7 +18,6 @@ namespace recurse {
 ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
-  statistics.counts.add(std::exchange(learned, {}));
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared =

@@ -57,10 +57,10 @@ class PhotonMapping final : public Integrator {
     return settings.causticsOnly ? mediaOnlyAbsorb(scene) : !hasMediaWithoutEnd(scene);
   }
   bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
-  void prepare(const Scene& scene, const PathClasses&) override {
-    learned = {};
-    if (&lights == &ownLights && !settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
-      learned = learnLights(scene, ownLights, settings.without != Mechanism::SHADOW_OPENINGS);
+  TransportCounts prepare(const Scene& scene, const PathClasses&) override {
+    if (&lights != &ownLights || settings.directLight || settings.without == Mechanism::LIGHT_LEARNING)
+      return {};
+    return learnLights(scene, ownLights, settings.without != Mechanism::SHADOW_OPENINGS);
   }
   const LightSampler& lightSampler() const { return lights; }
   /** Photons of the latest forward(). */
@@ -176,7 +176,6 @@ class PhotonMapping final : public Integrator {
   PhotonPass photons;
   LightSampler ownLights;
   const LightSampler& lights;
-  TransportCounts learned; ///< counts of light learning, until forward() returns them
 };
 
 /** Settings with `causticsOnly`, and without settings that this excludes. */

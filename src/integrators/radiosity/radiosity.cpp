@@ -33,10 +33,10 @@ class Radiosity final : public Integrator {
  public:
   Radiosity(int rays, float patchSize) : rays(rays), patchSize(patchSize) {}
 
-  void prepare(const Scene& scene, const PathClasses& classes) override {
-    learned = learnLights(scene, lights);
+  TransportCounts prepare(const Scene& scene, const PathClasses& classes) override {
     patches.dice(scene, patchSize);
     states = classes.lightStateCount();
+    return learnLights(scene, lights);
   }
 
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -51,7 +51,6 @@ class Radiosity final : public Integrator {
                                               "light: only shapes at rest with one diffuse "
                                               "material, which can be divided into patches, reflect it",
                                               patches.ignoredShapes()));
-    statistics.counts = std::exchange(learned, {});
     {
       const ProcessorTimer timer(statistics.learningSeconds);
       guide = learnEmission(scene, classes, pass.seed, -1, control, statistics.counts);
@@ -265,7 +264,6 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
-  TransportCounts learned; ///< work of their learning, until forward() returns it
   EmissionMixture guide;   ///< emission density of the rays from the lights
   Patches patches;
   size_t states = 1;                 ///< number of states of a light path

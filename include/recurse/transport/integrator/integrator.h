@@ -292,8 +292,8 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   /** Called once, before the first pass; passes() and the functions `supports...` may be called earlier.
-   * Throws Error when it cannot render the scene. */
-  virtual void prepare(const Scene&, const PathClasses&) {}
+   * Returns the work that it took. Throws Error when it cannot render the scene. */
+  virtual TransportCounts prepare(const Scene&, const PathClasses&) { return {}; }
   /** Schedule of forward() for this number of samples of each pixel; 0: unlimited. */
   virtual Passes passes(int /*samplesPerPixel*/) const { return Passes::oneMap(); }
   /** Whether forward() splats light paths to pixels through a Splatter. */
