@@ -125,14 +125,10 @@ class SimplePhotonMap final : public Integrator {
   void store(const LightVertex& vertex, float length, std::vector<Photon>& stored,
              std::vector<float>* lengths) const {
     const SurfacePoint& point = vertex.point();
-    if (glm::dot(vertex.wi, point.geometricNormal) == 0) return;
-    Photon photon;
-    photon.position = point.position;
-    photon.direction = packDirection(vertex.wi);
-    photon.normal = packDirection(point.normalTowards(vertex.wi));
-    photon.power = vertex.throughput / float(photons);
-    photon.pathState = vertex.state.byte;
-    stored.push_back(photon);
+    const auto photon = photonAt(point.position, point.geometricNormal, vertex.wi,
+                                 vertex.throughput / float(photons), vertex.state.byte);
+    if (!photon) return;
+    stored.push_back(*photon);
     if (lengths) lengths->push_back(length);
   }
 

@@ -274,8 +274,8 @@ class VirtualPointLights final : public Integrator {
 
   VplSettings settings;
   LightSampler lights;
-  float bound = INFINITE;  ///< maximum of the geometry term
-  EmissionMixture guide;   ///< emission density of the light paths
+  float bound = INFINITE; ///< maximum of the geometry term
+  EmissionMixture guide;  ///< emission density of the light paths
   // State of the current pass:
   Pass current;
   std::vector<VirtualLight> virtualLights;

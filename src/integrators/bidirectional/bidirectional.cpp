@@ -257,14 +257,11 @@ void Bidirectional::buildPhotons() {
     for (uint32_t t = 2; t <= path.count; ++t) {
       const StoredVertex& v = subpaths.vertices[path.first + t - 1];
       const float geometric = absDot(v.wi, v.point.geometricNormal);
-      if (!v.connectable || geometric == 0) continue;
-      Photon photon;
-      photon.position = v.point.position;
-      photon.direction = packDirection(v.wi);
-      photon.normal = packDirection(v.point.normalTowards(v.wi));
-      photon.power = v.throughput * (absDot(v.wi, v.point.shadingNormal) / geometric);
-      photon.pathState = v.state.byte;
-      found.push_back(photon);
+      const std::optional<Photon> photon =
+          photonAt(v.point.position, v.point.geometricNormal, v.wi,
+                   v.throughput * (absDot(v.wi, v.point.shadingNormal) / geometric), v.state.byte);
+      if (!v.connectable || !photon) continue;
+      found.push_back(*photon);
       photonVertices.push_back({static_cast<uint32_t>(p), t});
     }
   }

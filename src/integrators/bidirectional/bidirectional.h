@@ -78,10 +78,10 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
-  EmissionMixture starts;  ///< not active unless `guided`
-  RadiusCache surfaces;    ///< surface geometry for merges; its radii are not used
-  double lightPaths = 0;   ///< number in each pass
-  bool splatted = false;   ///< light paths are connected to the camera
+  EmissionMixture starts; ///< not active unless `guided`
+  RadiusCache surfaces;   ///< surface geometry for merges; its radii are not used
+  double lightPaths = 0;  ///< number in each pass
+  bool splatted = false;  ///< light paths are connected to the camera
   // State of the current pass:
   Pass current;
   LightSubpaths subpaths;

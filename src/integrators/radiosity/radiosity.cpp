@@ -264,7 +264,7 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
-  EmissionMixture guide;   ///< emission density of the rays from the lights
+  EmissionMixture guide; ///< emission density of the rays from the lights
   Patches patches;
   size_t states = 1;                 ///< number of states of a light path
   std::vector<Rgb> received;         ///< irradiance without direct light [W/area], by patch, side and state

@@ -59,8 +59,8 @@ void addExits(const Scene& scene, const std::vector<size_t>& distant, int resolu
       if (!walker.scatter(path, vertex, sampler)) break;
     }
   };
-  const std::vector<Exit> found = collectFromCameraPaths<Exit>(
-      scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, follow);
+  const std::vector<Exit> found =
+      collectFromCameraPaths<Exit>(scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, follow);
   exits.insert(exits.end(), found.begin(), found.end());
 }
 

@@ -18,8 +18,8 @@ struct CameraExits {
   std::vector<WeightedPosition> crossings; ///< crossings of last segments; empty if too few cross
 };
 
-/** Follows at most 4 `resolution`² camera paths. They leave by scattering and, if `towardsDistant`, by a shadow
- * ray to a distant light at each vertex. */
+/** Follows at most 4 `resolution`² camera paths. They leave by scattering and, if `towardsDistant`, by a
+ * shadow ray to a distant light at each vertex. */
 CameraExits findExits(const Scene& scene, bool towardsDistant, int resolution, uint64_t seed,
                       TransportCounts& counts);
 

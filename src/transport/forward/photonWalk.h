@@ -151,30 +151,15 @@ class PhotonWalk {
     return ReverseRatio::atSurface(arrivals, pdf, direction, point);
   }
 
-  /** Packs a direction without a change of side: rounding could hide a grazing photon from all queries. */
-  static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
-    PackedDirection packed = packDirection(wi);
-    const float cosine = glm::dot(wi, normal);
-    if (std::abs(cosine) > 1e-4f) return packed; // larger than the packing error
-    const Vec3f up = normal * std::copysign(1.0f, cosine);
-    for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
-      packed = packDirection(glm::normalize(wi + up * lift));
-    return packed;
-  }
-
   /** Stores a photon. Returns false where it is parallel to the surface: no flux. */
   bool store(const PhotonPath& photon) {
     const SurfacePoint& point = vertex.point();
-    if (glm::dot(vertex.wi, point.geometricNormal) == 0) return false;
-    Photon p;
-    p.position = point.position;
-    p.direction = packOnSide(vertex.wi, point.geometricNormal);
-    p.normal = packDirection(point.normalTowards(vertex.wi));
-    p.power = vertex.throughput;
-    p.pathState = vertex.state.byte;
-    p.caustic = photon.caustic;
-    p.reverseRatio = photon.ratio.value();
-    out.onSurfaces.push_back(p);
+    std::optional<Photon> p =
+        photonAt(point.position, point.geometricNormal, vertex.wi, vertex.throughput, vertex.state.byte);
+    if (!p) return false;
+    p->caustic = photon.caustic;
+    p->reverseRatio = photon.ratio.value();
+    out.onSurfaces.push_back(*p);
     if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.path.optical.length);
     return true;
   }

@@ -3,7 +3,9 @@
  */
 #pragma once
 
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "recurse/core/math/rgb.h"
@@ -54,6 +56,32 @@ struct Photon {
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);
+
+/** Packs a direction without a change of side: rounding could hide a grazing photon from all queries. */
+inline PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
+  PackedDirection packed = packDirection(wi);
+  const float cosine = glm::dot(wi, normal);
+  if (std::abs(cosine) > 1e-4f) return packed; // larger than the packing error
+  const Vec3f up = normal * std::copysign(1.0f, cosine);
+  for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
+    packed = packDirection(glm::normalize(wi + up * lift));
+  return packed;
+}
+
+/** Photon that arrives from unit `wi` at a surface with the unit geometric `normal` of either side; nullopt
+ * where it is parallel to the surface: no flux. */
+inline std::optional<Photon> photonAt(const Vec3f& position, const Vec3f& normal, const Vec3f& wi,
+                                      const Rgb& power, uint8_t pathState) {
+  const float cosine = glm::dot(wi, normal);
+  if (cosine == 0) return {};
+  Photon photon;
+  photon.position = position;
+  photon.direction = packOnSide(wi, normal);
+  photon.normal = packDirection(cosine < 0 ? -normal : normal);
+  photon.power = power;
+  photon.pathState = pathState;
+  return photon;
+}
 
 /** Optical lengths of the paths of photons of each kind, in the same order [scene units]; empty unless the
  * render is transient. */
