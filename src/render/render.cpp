@@ -33,6 +33,7 @@ void continueFrom(RenderStatistics& now, const RenderStatistics& before) {
   sum.guide = now.guide;
   sum.warnings = now.warnings;
   sum.learningProcessorSeconds += now.learningProcessorSeconds;
+  sum.counts.add(now.counts);
   now = sum;
 }
 

@@ -5,8 +5,8 @@
  */
 #pragma once
 
+#include "recurse/core/math/nestedBoxes.h"
 #include "recurse/transport/integrator/integrator.h"
-#include "transport/direct/nestedBoxes.h"
 
 namespace recurse {
 

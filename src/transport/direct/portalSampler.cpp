@@ -50,7 +50,7 @@ float PortalSampler::pdfThrough(const Shares& upToHere, const Vec3f& point, cons
     const float t0 = std::max({near.x, near.y, near.z, 0.0f}), t1 = std::min({far.x, far.y, far.z});
     if (!(t1 > t0)) continue;
     const Vec3f d = b.diagonal();
-    sum += share * (t1 - t0) * (t1 * t1 + t1 * t0 + t0 * t0) / (3 * d.x * d.y * d.z);
+    sum += share * ((t1 - t0) / (3 * d.x)) * ((t1 * t1 + t1 * t0 + t0 * t0) / (d.y * d.z));
   }
   return sum / before;
 }

@@ -8,8 +8,8 @@
 #include <array>
 #include <vector>
 
+#include "recurse/core/math/nestedBoxes.h"
 #include "transport/direct/cameraExits.h"
-#include "transport/direct/nestedBoxes.h"
 
 namespace recurse {
 

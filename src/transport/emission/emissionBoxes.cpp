@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recurse/core/math/nestedBoxes.h"
 #include "recurse/core/sampling/sampling.h"
 #include "transport/direct/cameraExits.h"
 #include "transport/direct/cameraPaths.h"
-#include "transport/direct/nestedBoxes.h"
 
 namespace recurse {
 

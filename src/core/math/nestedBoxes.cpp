@@ -1,7 +1,7 @@
 /** @file
  * Construction of nested boxes by median splits.
  */
-#include "transport/direct/nestedBoxes.h"
+#include "recurse/core/math/nestedBoxes.h"
 
 #include <algorithm>
 #include <span>
