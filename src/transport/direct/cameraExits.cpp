@@ -15,12 +15,8 @@ namespace {
 
 /** Minimum number of exits; fewer do not represent the openings of a scene. */
 constexpr size_t MIN_EXITS = 64;
-
-/** Last vertex of a camera path that leaves the scene. */
-struct Exit {
-  WeightedPosition vertex; ///< weight: throughput of the path, at most 1
-  Vec3f direction;         ///< unit; (0, 0, 0) towards a distant light
-};
+/** Square root of the maximum number of camera paths in a round. */
+constexpr int MAX_ACROSS = 128;
 
 /** Indices of the distant lights (infinitely far, in one direction). */
 std::vector<size_t> distantLights(const Scene& scene) {
@@ -31,18 +27,18 @@ std::vector<size_t> distantLights(const Scene& scene) {
 }
 
 /** Adds the exits of `resolution`² camera paths. */
-void addExits(const Scene& scene, const std::vector<size_t>& distant, int resolution, uint64_t seed,
-              std::vector<Exit>& exits, TransportCounts& counts) {
+void findExits(const Scene& scene, const std::vector<size_t>& distant, int resolution, uint64_t seed,
+               std::vector<CameraExit>& exits, TransportCounts& counts) {
   constexpr int MAX_DEPTH = 5;
   constexpr uint64_t STREAM = 0x504f5254414cull;
-  const auto follow = [&](std::vector<Exit>& found, CameraSubpath& path, CameraWalker& walker,
+  const auto follow = [&](std::vector<CameraExit>& found, CameraSubpath& path, CameraWalker& walker,
                           Sampler& sampler, TransportCounts& pathCounts) {
     CameraVertex vertex;
     bool seenByCamera = true; // directly visible sky needs no photons
     const auto leave = [&](const Hit* hit) {
       if (hit || seenByCamera) return;
       const float weight = maxComponent(path.throughput);
-      found.push_back({{path.ray.origin, std::min(weight, 1.0f)}, path.ray.direction});
+      found.push_back({path.ray.origin, std::min(weight, 1.0f), path.ray.direction});
     };
     while (walker.next(path, vertex, sampler, leave)) {
       if (vertex.isConnectable()) {
@@ -53,29 +49,29 @@ void addExits(const Scene& scene, const std::vector<size_t>& distant, int resolu
           if (light && glm::dot(light->direction, vertex.point().normalTowards(vertex.wi)) > 0 &&
               visible(scene, vertex.hit, vertex.wi, *light, path.nesting, pathCounts))
             found.push_back(
-                {{vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)}, Vec3f(0)});
+                {vertex.point().position, std::min(maxComponent(path.throughput), 1.0f), Vec3f(0)});
         }
       }
       if (!walker.scatter(path, vertex, sampler)) break;
     }
   };
-  const std::vector<Exit> found =
-      collectFromCameraPaths<Exit>(scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, follow);
+  const std::vector<CameraExit> found = collectFromCameraPaths<CameraExit>(
+      scene, resolution, MAX_DEPTH, hashCombine(seed, STREAM), counts, follow);
   exits.insert(exits.end(), found.begin(), found.end());
 }
 
-/** Crossings of the last segments of exits with others; none where too few cross. */
-std::vector<WeightedPosition> crossingsOf(const std::vector<Exit>& exits, uint64_t seed) {
+/** Moves exits to the crossings of their last segments with others; removes those without. */
+void moveToCrossings(std::vector<CameraExit>& exits, uint64_t seed) {
   constexpr size_t OTHERS = 64, CLOSEST = 8; // paths through the same hole are closest, for up to eight holes
   constexpr float PARALLEL = 0.05f;          // maximum squared sine between nearly parallel paths
   struct Approach {
     float distance2, along;
   };
-  std::vector<WeightedPosition> moved(exits.size());
+  std::vector<CameraExit> moved(exits.size());
   std::vector<char> known(exits.size());
   parallelFor(exits.size(), [&](size_t i) {
-    const Exit& exit = exits[i];
-    moved[i] = exit.vertex;
+    const CameraExit& exit = exits[i];
+    moved[i] = exit;
     known[i] = exit.direction == Vec3f(0);
     if (known[i]) return;
     Sampler sampler(seed, 0x43524f5353ull, static_cast<uint32_t>(i));
@@ -83,10 +79,10 @@ std::vector<WeightedPosition> crossingsOf(const std::vector<Exit>& exits, uint64
     for (size_t k = 0; k < OTHERS; ++k) {
       const auto j = std::min(exits.size() - 1,
                               static_cast<size_t>(sampler.next1D() * static_cast<float>(exits.size())));
-      const Exit& other = exits[j];
+      const CameraExit& other = exits[j];
       const float cosine = glm::dot(exit.direction, other.direction);
       if (other.direction == Vec3f(0) || !(1 - cosine * cosine > PARALLEL)) continue;
-      const Vec3f between = other.vertex.position - exit.vertex.position;
+      const Vec3f between = other.position - exit.position;
       const float a = glm::dot(exit.direction, between), b = glm::dot(other.direction, between);
       const float along = (a - cosine * b) / (1 - cosine * cosine);
       const float otherAlong = (cosine * a - b) / (1 - cosine * cosine);
@@ -99,35 +95,55 @@ std::vector<WeightedPosition> crossingsOf(const std::vector<Exit>& exits, uint64
                      [](const Approach& a, const Approach& b) { return a.distance2 < b.distance2; });
     std::nth_element(approaches.begin(), approaches.begin() + CLOSEST / 2, approaches.begin() + CLOSEST,
                      [](const Approach& a, const Approach& b) { return a.along < b.along; });
-    moved[i].position += exit.direction * approaches[CLOSEST / 2].along;
+    moved[i].along = approaches[CLOSEST / 2].along;
+    moved[i].position += exit.direction * moved[i].along;
     known[i] = true;
   });
-  std::vector<WeightedPosition> found;
+  std::vector<CameraExit> found;
   for (size_t i = 0; i < exits.size(); ++i)
     if (known[i]) found.push_back(moved[i]);
-  return found;
+  exits = std::move(found);
+}
+
+/** Exits of as many rounds of camera paths as needed to find openings. */
+std::vector<CameraExit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int resolution,
+                                uint64_t seed, TransportCounts& counts) {
+  constexpr size_t MANY = 8 * MIN_EXITS;
+  constexpr int ROUNDS = 4;
+  std::vector<CameraExit> exits;
+  for (int round = 0; round < ROUNDS; ++round) {
+    findExits(scene, distant, resolution, hashCombine(seed, uint64_t(round)), exits, counts);
+    // Further rounds refine small holes that few paths find; a closed room needs none.
+    if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
+  }
+  return exits;
 }
 
 } // namespace
 
-CameraExits findExits(const Scene& scene, bool towardsDistant, int resolution, uint64_t seed,
-                      TransportCounts& counts) {
-  constexpr size_t MANY = 8 * MIN_EXITS;
-  constexpr int ROUNDS = 4;
-  CameraExits found;
-  const std::vector<size_t> distant = towardsDistant ? distantLights(scene) : std::vector<size_t>();
-  if (distant.empty() && scene.environment().empty()) return found;
-  std::vector<Exit> exits;
-  for (int round = 0; round < ROUNDS; ++round) {
-    addExits(scene, distant, resolution, hashCombine(seed, uint64_t(round)), exits, counts);
-    // Further rounds refine small holes that few paths find; a closed room needs none.
-    if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
-  }
-  if (exits.size() < MIN_EXITS) return found;
-  for (const Exit& exit : exits) found.vertices.push_back(exit.vertex);
-  found.crossings = crossingsOf(exits, seed);
-  if (found.crossings.size() < MIN_EXITS) found.crossings.clear();
-  return found;
+std::vector<CameraExit> exitCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts) {
+  const FilmSettings& film = scene.film();
+  const double pixels = double(film.width) * double(film.height);
+  const int resolution = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
+  std::vector<CameraExit> exits = exitsOf(scene, {}, resolution, seed, counts);
+  std::vector<CameraExit> crossings = exits;
+  moveToCrossings(crossings, seed);
+  if (crossings.size() >= MIN_EXITS) return crossings;
+  if (exits.size() < MIN_EXITS) exits.clear(); // otherwise all paths leave from a pane
+  return exits;
+}
+
+std::vector<CameraExit> exitsAndCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts) {
+  const std::vector<size_t> distant = distantLights(scene);
+  if (distant.empty() && scene.environment().empty()) return {};
+  std::vector<CameraExit> exits = exitsOf(scene, distant, MAX_ACROSS, seed, counts);
+  // Vertices alone would enclose a whole room with a wide window, and crossings alone may be far outside of a
+  // small one.
+  std::vector<CameraExit> crossings = exits;
+  moveToCrossings(crossings, seed);
+  exits.insert(exits.end(), crossings.begin(), crossings.end());
+  if (exits.size() < MIN_EXITS) exits.clear();
+  return exits;
 }
 
 } // namespace recurse

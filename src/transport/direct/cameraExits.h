@@ -5,25 +5,27 @@
  */
 #pragma once
 
-#include "recurse/core/math/nestedBoxes.h"
+#include <vector>
+
 #include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 
-/** Points through which light of infinite lights may enter, on camera paths that leave the scene. Vertices
- * alone would enclose a whole room with a wide window, and crossings alone may be far outside of a small
- * one. */
-struct CameraExits {
-  std::vector<WeightedPosition> vertices;  ///< last vertices; empty if too few paths leave
-  std::vector<WeightedPosition> crossings; ///< crossings of last segments; empty if too few cross
+/** Point through which environment light may enter: the last vertex of a camera path that leaves the scene,
+ * or a crossing of the last segments of such paths. */
+struct CameraExit {
+  Vec3f position;
+  float weight;    ///< throughput of the path, at most 1
+  Vec3f direction; ///< unit; (0, 0, 0) towards a distant light
+  float along = 0; ///< distance from the last vertex [scene units]
 };
 
-/** Follows at most 4 `resolution`² camera paths. They leave by scattering and, if `towardsDistant`, by a
- * shadow ray to a distant light at each vertex. */
-CameraExits findExits(const Scene& scene, bool towardsDistant, int resolution, uint64_t seed,
-                      TransportCounts& counts);
+/** Crossings of camera paths that leave the scene; their last vertices if too few cross; empty if too few
+ * paths leave. The number of paths follows the pixels of the film, so that the time remains small. */
+std::vector<CameraExit> exitCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
 
-/** Thickness of boxes around exits in one plane, such as a pane [scene units]. */
-inline float flatness(const Scene& scene) { return 1e-5f * scene.bounds().radius; }
+/** Last vertices and crossings of camera paths that leave the scene, by scattering or by a shadow ray to a
+ * distant light. Empty without infinite lights, or if too few paths leave. */
+std::vector<CameraExit> exitsAndCrossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
 
 } // namespace recurse

@@ -14,52 +14,126 @@ namespace {
 
 constexpr uint64_t SHADOW_PORTAL_STREAM = 0x574e44575321ull;
 
-/** Sum of the surface areas. */
-double area(const std::vector<NestedBox>& boxes) {
-  double sum = 0;
-  for (const NestedBox& box : boxes) {
-    const Vec3d d(box.bounds.diagonal());
-    sum += 2 * (d.x * d.y + d.y * d.z + d.z * d.x);
-  }
-  return sum;
-}
-
 } // namespace
 
-float PortalSampler::shares(const Vec3f& point, Shares& upToHere) const {
+PortalSampler::Opening PortalSampler::fit(std::span<const CameraExit> exits) {
+  constexpr size_t CANDIDATES = 8; // quantiles of the crossings, and of the last vertices (panes)
+  constexpr int HALVINGS = 6;
+  constexpr float GROWTH = 0.05f; // relative margin for open area beyond the outermost paths
+  const size_t outliers = exits.size() / 100;
+  Opening best;
+  best.area = INFINITE;
+  std::vector<float> u, v, coordinates;
+  const auto consider = [&](int axis, float at) {
+    u.clear();
+    v.clear();
+    for (const CameraExit& e : exits) {
+      const float t = (at - e.position[axis]) / e.direction[axis];
+      if (!(t >= -e.along - 1e-3f * e.along && t < INFINITE)) continue;
+      u.push_back(e.position[(axis + 1) % 3] + t * e.direction[(axis + 1) % 3]);
+      v.push_back(e.position[(axis + 2) % 3] + t * e.direction[(axis + 2) % 3]);
+    }
+    if (u.size() < exits.size() - 2 * outliers) return false;
+    Opening opening{axis, at, Vec2f(0), Vec2f(0), 0};
+    for (int k = 0; k < 2; ++k) {
+      std::vector<float>& x = k == 0 ? u : v;
+      const auto low = x.begin() + std::ptrdiff_t(outliers), high = x.end() - 1 - std::ptrdiff_t(outliers);
+      std::nth_element(x.begin(), low, x.end());
+      opening.lower[k] = *low;
+      std::nth_element(low, high, x.end());
+      opening.upper[k] = *high;
+    }
+    const Vec2f more = (opening.upper - opening.lower) * GROWTH;
+    opening.lower -= more;
+    opening.upper += more;
+    opening.area = (opening.upper.x - opening.lower.x) * (opening.upper.y - opening.lower.y);
+    if (!(opening.area > 0 && opening.area < best.area)) return false;
+    best = opening;
+    return true;
+  };
+  float step = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool atVertex : {false, true}) {
+      coordinates.clear();
+      for (const CameraExit& e : exits)
+        coordinates.push_back(e.position[axis] - (atVertex ? e.along * e.direction[axis] : 0));
+      std::sort(coordinates.begin(), coordinates.end());
+      for (size_t i = 0; i <= CANDIDATES; ++i)
+        if (consider(axis, coordinates[i * (coordinates.size() - 1) / CANDIDATES]))
+          step = (coordinates.back() - coordinates.front()) / CANDIDATES;
+    }
+  for (int i = 0; i < HALVINGS && best.area < INFINITE; ++i, step /= 2)
+    if (!consider(best.axis, best.at + step)) consider(best.axis, best.at - step);
+  return best;
+}
+
+void PortalSampler::divide(std::span<CameraExit> exits, const Opening& whole, int levels) {
+  constexpr size_t MIN_PATHS = 32;
+  constexpr int CUTS = 8;
+  constexpr float SMALLER = 0.7f; // maximum area of two openings, relative to one
+  const auto splitAt = [&](int axis, int cut) {
+    const size_t left = exits.size() * size_t(cut) / CUTS;
+    std::nth_element(exits.begin(), exits.begin() + std::ptrdiff_t(left), exits.end(),
+                     [&](const auto& a, const auto& b) { return a.position[axis] < b.position[axis]; });
+    return left;
+  };
+  if (levels > 0 && exits.size() >= 2 * MIN_PATHS) {
+    float least = INFINITE;
+    int axis = 0, cut = CUTS / 2;
+    for (int a = 0; a < 3; ++a)
+      for (int p = 1; p < CUTS; ++p) {
+        const size_t left = splitAt(a, p);
+        if (std::min(left, exits.size() - left) < MIN_PATHS) continue;
+        const float area = fit(exits.first(left)).area + fit(exits.subspan(left)).area;
+        if (!(area < least)) continue;
+        least = area;
+        axis = a;
+        cut = p;
+      }
+    if (least < SMALLER * whole.area || whole.area == INFINITE) {
+      const size_t left = splitAt(axis, cut);
+      divide(exits.first(left), fit(exits.first(left)), levels - 1);
+      divide(exits.subspan(left), fit(exits.subspan(left)), levels - 1);
+      return;
+    }
+  }
+  if (whole.area < INFINITE) openings.push_back(whole);
+}
+
+float PortalSampler::solidAngles(const Vec3f& point, SolidAngles& upToHere) const {
   float sum = 0;
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    const Bounds3f& b = boxes[i].bounds;
-    const Vec3f away = point - b.center();
-    sum += boxes[i].chance / std::max(lengthSquared(away), lengthSquared(b.diagonal()) / 4);
+  for (size_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    const float away = o.at - point[o.axis];
+    const Vec2f aside = (o.lower + o.upper) * 0.5f - Vec2f(point[(o.axis + 1) % 3], point[(o.axis + 2) % 3]);
+    const float distance2 = square(away) + glm::dot(aside, aside);
+    if (away != 0) sum += std::min(o.area * std::abs(away) / (distance2 * std::sqrt(distance2)), 2 * PI);
     upToHere[i] = sum;
   }
   return sum;
 }
 
-float PortalSampler::pdfThrough(const Shares& upToHere, const Vec3f& point, const Vec3f& direction) const {
-  // A point that is uniform in a volume V has, in a direction that is inside from t0 to t1, the density
-  // (t1³ - t0³) / 3V [1/sr].
-  const Vec3f inverse = Vec3f(1) / direction;
+float PortalSampler::pdfThrough(const SolidAngles& upToHere, const Vec3f& point,
+                                const Vec3f& direction) const {
   float sum = 0, before = 0;
-  for (size_t i = 0; i < boxes.size(); ++i) {
-    const float share = upToHere[i] - std::exchange(before, upToHere[i]);
-    const Bounds3f& b = boxes[i].bounds;
-    const Vec3f a = (b.lower - point) * inverse, c = (b.upper - point) * inverse;
-    const Vec3f near = glm::min(a, c), far = glm::max(a, c);
-    const float t0 = std::max({near.x, near.y, near.z, 0.0f}), t1 = std::min({far.x, far.y, far.z});
-    if (!(t1 > t0)) continue;
-    const Vec3f d = b.diagonal();
-    sum += share * ((t1 - t0) / (3 * d.x)) * ((t1 * t1 + t1 * t0 + t0 * t0) / (d.y * d.z));
+  for (size_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    const float solidAngle = upToHere[i] - std::exchange(before, upToHere[i]);
+    const float t = (o.at - point[o.axis]) / direction[o.axis];
+    if (!(t > 0 && t < INFINITE)) continue;
+    const int a = (o.axis + 1) % 3, b = (o.axis + 2) % 3;
+    const Vec2f at(point[a] + t * direction[a], point[b] + t * direction[b]);
+    if (at.x >= o.lower.x && at.x <= o.upper.x && at.y >= o.lower.y && at.y <= o.upper.y)
+      sum += solidAngle * square(t) / (o.area * std::abs(direction[o.axis]));
   }
   return sum / before;
 }
 
 std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, const Vec3f& point, float pick,
                                                 const Vec2f& u) const {
-  if (!active()) return light.sampleLi(point, pick, u);
-  Shares upToHere;
-  const float all = shares(point, upToHere);
+  SolidAngles upToHere;
+  const float all = active() ? solidAngles(point, upToHere) : 0;
+  if (!(all > 0)) return light.sampleLi(point, pick, u);
   if (pick >= throughPortals) {
     pick = std::min((pick - throughPortals) / (1 - throughPortals), ONE_MINUS_EPSILON);
     std::optional<LiSample> beside = light.sampleLi(point, pick, u);
@@ -68,13 +142,14 @@ std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, c
                     throughPortals * pdfThrough(upToHere, point, beside->direction);
     return beside;
   }
-  const float target = pick / throughPortals * all;
-  const float* const last = upToHere.begin() + std::ptrdiff_t(boxes.size()) - 1;
-  const auto chosen = size_t(std::upper_bound(upToHere.cbegin(), last, target) - upToHere.cbegin());
-  const float below = chosen > 0 ? upToHere[chosen - 1] : 0;
-  const float rest = std::clamp((target - below) / (upToHere[chosen] - below), 0.0f, 1.0f);
-  const Bounds3f& b = boxes[chosen].bounds;
-  const Vec3f towards = b.lower + Vec3f(u, rest) * b.diagonal() - point;
+  const float* const last = upToHere.begin() + std::ptrdiff_t(openings.size()) - 1;
+  const float* const chosen = std::upper_bound(upToHere.cbegin(), last, pick / throughPortals * all);
+  const Opening& o = openings[size_t(chosen - upToHere.begin())];
+  const Vec2f at = o.lower + u * (o.upper - o.lower);
+  Vec3f towards(0);
+  towards[o.axis] = o.at - point[o.axis];
+  towards[(o.axis + 1) % 3] = at.x - point[(o.axis + 1) % 3];
+  towards[(o.axis + 2) % 3] = at.y - point[(o.axis + 2) % 3];
   const float distance = glm::length(towards);
   if (!(distance > 0)) return {};
   LiSample through;
@@ -90,9 +165,8 @@ std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, c
 
 float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const {
   const float byLight = light.pdfLi(from, direction);
-  if (!active()) return byLight;
-  Shares upToHere;
-  shares(from, upToHere);
+  SolidAngles upToHere;
+  if (!active() || !(solidAngles(from, upToHere) > 0)) return byLight;
   return (1 - throughPortals) * byLight + throughPortals * pdfThrough(upToHere, from, direction);
 }
 
@@ -152,15 +226,14 @@ TransportCounts PortalSampler::learn(const Scene& scene) {
   constexpr float WORTH_IT_ELSEWHERE = 4;
   *this = {};
   TransportCounts counts;
-  constexpr int MAX_ACROSS = 128;
   if (scene.environment().empty()) return counts;
-  const double pixels = double(scene.film().width) * double(scene.film().height);
-  const int resolution = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
-  CameraExits exits = findExits(scene, false, resolution, SHADOW_PORTAL_STREAM, counts);
-  if (exits.vertices.empty()) return counts;
-  boxes = nestedBoxes(std::move(exits.vertices), LEVELS, flatness(scene), 0);
-  std::vector<NestedBox> others = nestedBoxes(std::move(exits.crossings), LEVELS, flatness(scene), 0);
-  if (!others.empty() && area(others) < area(boxes)) boxes = std::move(others);
+  constexpr size_t MAX_EXITS = 512; // more do not improve a few rectangles
+  std::vector<CameraExit> exits = exitCrossings(scene, SHADOW_PORTAL_STREAM, counts);
+  for (size_t i = 0; exits.size() > MAX_EXITS && i < MAX_EXITS; ++i)
+    exits[i] = exits[i * exits.size() / MAX_EXITS];
+  exits.resize(std::min(exits.size(), MAX_EXITS));
+  if (!exits.empty()) divide(exits, fit(exits), LEVELS);
+  if (openings.empty()) return counts;
   throughPortals = 0.5f; // mixture weight of the trial shadow rays
   const auto [absolute, relative] = secondMoments(scene, counts);
   const auto least = size_t(std::min_element(absolute.begin(), absolute.end()) - absolute.begin());
@@ -168,7 +241,7 @@ TransportCounts PortalSampler::learn(const Scene& scene) {
     throughPortals = PARTS[least];
   else
     throughPortals = relative[0] > WORTH_IT_ELSEWHERE * relative[1] ? PARTS[1] : 0;
-  if (!active()) boxes.clear();
+  if (!active()) openings.clear();
   return counts;
 }
 

@@ -6,9 +6,9 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
-#include "recurse/core/math/nestedBoxes.h"
 #include "transport/direct/cameraExits.h"
 
 namespace recurse {
@@ -29,13 +29,24 @@ class PortalSampler {
   float pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const;
 
  private:
-  static constexpr int LEVELS = 3; // at most 2^LEVELS boxes, as each shadow ray evaluates all
-  /** Cumulative sums of the boxes' shares of the rays from a point. */
-  using Shares = std::array<float, 1 << LEVELS>;
-  /** Computes the cumulative sums for a point: chances over squared distances. Returns the total. */
-  float shares(const Vec3f& point, Shares& upToHere) const;
-  /** Density of directions towards points that are uniform in the boxes [1/sr]. */
-  float pdfThrough(const Shares& upToHere, const Vec3f& point, const Vec3f& direction) const;
+  /** Rectangle perpendicular to an axis, which light passes in both directions. */
+  struct Opening {
+    int axis = 0;
+    float at = 0;       ///< coordinate on the axis
+    Vec2f lower, upper; ///< corners on the next two axes
+    float area = 0;
+  };
+  /** Smallest tested opening that nearly all of the paths leave through. */
+  static Opening fit(std::span<const CameraExit> exits);
+  void divide(std::span<CameraExit> exits, const Opening& whole, int levels);
+
+  static constexpr int LEVELS = 4; // at most 2^LEVELS openings, as each shadow ray evaluates all
+  /** Cumulative sums of the estimated solid angles of the openings [sr]. */
+  using SolidAngles = std::array<float, 1 << LEVELS>;
+  /** Computes the cumulative sums for a point, and returns the total [sr]. */
+  float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;
+  /** Density of directions through the openings [1/sr]. */
+  float pdfThrough(const SolidAngles& upToHere, const Vec3f& point, const Vec3f& direction) const;
   static constexpr std::array<float, 4> PARTS{0, 0.25f, 0.5f, 0.75f};
   /** Second moments of direct light by shadow rays at camera vertices, for each mixture weight of PARTS. */
   struct SecondMoments {
@@ -44,7 +55,7 @@ class PortalSampler {
   };
   SecondMoments secondMoments(const Scene& scene, TransportCounts& counts) const;
 
-  std::vector<NestedBox> boxes; ///< around exits
+  std::vector<Opening> openings;
   float throughPortals = 0;
 };
 

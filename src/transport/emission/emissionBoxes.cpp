@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
-#include "recurse/core/math/nestedBoxes.h"
 #include "recurse/core/sampling/sampling.h"
 #include "transport/direct/cameraExits.h"
 #include "transport/direct/cameraPaths.h"
@@ -14,6 +14,16 @@
 namespace recurse {
 
 namespace {
+
+struct WeightedPosition {
+  Vec3f position;
+  float weight;
+};
+
+struct NestedBox {
+  Bounds3f bounds;
+  float chance; ///< probability of this box
+};
 
 Float8 withLane(const Float8& a, size_t lane, float value) {
   return select(Float8::lanes(1u << lane), Float8(value), a);
@@ -31,6 +41,49 @@ std::vector<WeightedPosition> cameraVertices(const Scene& scene, uint64_t seed, 
       });
   if (positions.size() < MIN_POSITIONS) positions.clear();
   return positions;
+}
+
+/** Adds boxes around positions: leaves with about equal numbers of them, and boxes around leaves. */
+void split(std::span<WeightedPosition> positions, int levels, float margin, std::vector<NestedBox>& boxes) {
+  constexpr size_t MIN_POSITIONS = 32;
+  // Enclosing boxes sample the space between leaves hundreds of times as often as without them.
+  constexpr float INNER = 0.1f, GROWTH = 0.05f;
+  Bounds3f bounds;
+  float weight = 0;
+  for (const WeightedPosition& p : positions) {
+    bounds.add(p.position);
+    weight += p.weight;
+  }
+  const float more = GROWTH * glm::length(bounds.diagonal()) + margin; // a pane is flat
+  if (levels == 0 || positions.size() < 2 * MIN_POSITIONS) {
+    bounds.lower -= more;
+    bounds.upper += more;
+    boxes.push_back({bounds, weight});
+    return;
+  }
+  if (levels % 2 == 0) {
+    boxes.push_back({{bounds.lower - more, bounds.upper + more}, INNER * weight});
+  }
+  const int axis = widestAxis(bounds.diagonal());
+  const size_t middle = positions.size() / 2;
+  std::nth_element(positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(middle),
+                   positions.end(), [&](const WeightedPosition& a, const WeightedPosition& b) {
+                     return a.position[axis] < b.position[axis];
+                   });
+  split(positions.first(middle), levels - 1, margin, boxes);
+  split(positions.subspan(middle), levels - 1, margin, boxes);
+}
+
+/** Boxes around positions, with probabilities that follow the weights; empty without positions. `levels`:
+ * there are at most 2^levels leaves; `margin`: margin around each box [scene units]. */
+std::vector<NestedBox> nestedBoxes(std::vector<WeightedPosition> positions, int levels, float margin) {
+  std::vector<NestedBox> boxes;
+  if (positions.empty()) return boxes;
+  split(positions, levels, margin, boxes);
+  float sum = 0;
+  for (const NestedBox& box : boxes) sum += box.chance;
+  for (NestedBox& box : boxes) box.chance /= sum;
+  return boxes;
 }
 
 } // namespace
@@ -104,15 +157,14 @@ Float8 BoxBlock::inCones(const Line& line, uint32_t hitBoxes) const {
 }
 
 void EmissionBoxes::learn(const Scene& scene, uint64_t seed, TransportCounts& counts) {
-  constexpr int ACROSS = 128, EXIT_LEVELS = 6, VERTEX_LEVELS = 4; // at most 2^LEVELS leaves
-  // Enclosing boxes sample the space between leaves hundreds of times as often as without them.
-  constexpr float INNER = 0.1f;
+  constexpr int EXIT_LEVELS = 6, VERTEX_LEVELS = 4; // at most 2^LEVELS leaves
+  constexpr float MARGIN = 1e-5f;                   // relative to the scene's radius
   *this = {};
-  std::vector<WeightedPosition> vertices = cameraVertices(scene, seed, counts);
+  std::vector<WeightedPosition> vertices = cameraVertices(scene, seed, counts), exits;
   if (vertices.empty()) return;
-  auto [exits, crossings] = findExits(scene, true, ACROSS, seed, counts);
-  exits.insert(exits.end(), crossings.begin(), crossings.end());
-  const float margin = flatness(scene);
+  for (const CameraExit& exit : exitsAndCrossings(scene, seed, counts))
+    exits.push_back({exit.position, exit.weight});
+  const float margin = MARGIN * scene.bounds().radius;
   const auto append = [&](const std::vector<NestedBox>& boxes) {
     const size_t first = 8 * blocks.size();
     blocks.resize(blocks.size() + (boxes.size() + 7) / 8);
@@ -122,9 +174,9 @@ void EmissionBoxes::learn(const Scene& scene, uint64_t seed, TransportCounts& co
       chances[first + i] = boxes[i].chance;
     }
   };
-  append(nestedBoxes(std::move(exits), EXIT_LEVELS, margin, INNER));
+  append(nestedBoxes(std::move(exits), EXIT_LEVELS, margin));
   exitBlocks = blocks.size();
-  append(nestedBoxes(std::move(vertices), VERTEX_LEVELS, margin, INNER));
+  append(nestedBoxes(std::move(vertices), VERTEX_LEVELS, margin));
 }
 
 } // namespace recurse
