@@ -460,6 +460,13 @@ TEST(Counts, IncludeLearning) {
   LightSampler guide;
   const uint64_t learning = learnLights(*scene, guide).rays;
   EXPECT_GT(learning, 1000u);
+  for (const char* name : {"path", "photonmap"}) {
+    const auto integrator =
+        integratorFrom(name, name == std::string("path") ? "" : "\"integer photons\" 1000");
+    const PathClasses classes;
+    const uint64_t prepared = integrator->prepare(*scene, classes).rays;
+    EXPECT_GE(prepared + integrator->forward(*scene, classes, {1, 0}, {}).counts.rays, learning) << name;
+  }
   const Rendered picture = renderScene(*scene, "raycast", "", 1);
   const auto pixels = uint64_t(scene->film().whole().area());
   EXPECT_GE(picture.statistics.counts.rays, learning + pixels);

@@ -210,14 +210,30 @@ TEST(LightSampler, WhatLearningTookIsTold) {
   LightSampler lights;
   const uint64_t learning = learnLights(*scene, lights).rays;
   ASSERT_GT(learning, 0u);
-  const auto raysOfPrepare = [&](const char* name, const char* parameters) {
-    return integratorFrom(name, parameters)->prepare(*scene, PathClasses()).rays;
+  const auto raysOfPrepare = [&](const char* name) {
+    return integratorFrom(name, "")->prepare(*scene, PathClasses()).rays;
   };
-  for (const char* name :
-       {"path", "bdpt", "vcm", "raycast", "whitted", "vpl", "radiosity", "auto", "photonmap"})
-    EXPECT_EQ(raysOfPrepare(name, ""), learning) << name;
-  EXPECT_EQ(raysOfPrepare("photonmap", "\"bool causticsonly\" true"), learning);
-  EXPECT_EQ(raysOfPrepare("photonmap", "\"string without\" \"lightlearning\""), 0u);
+  for (const char* name : {"raycast", "whitted", "vpl", "radiosity"})
+    EXPECT_EQ(raysOfPrepare(name), learning) << name;
+  const auto raysOfFirstPass = [&](const char* name, const char* parameters) {
+    const auto integrator = integratorFrom(name, parameters);
+    const uint64_t before = integrator->prepare(*scene, PathClasses()).rays;
+    const auto pass = [&] {
+      return integrator->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays;
+    };
+    const uint64_t first = pass(), second = pass(); // the second pass has nothing to learn
+    return before + first - second;
+  };
+  for (const char* name : {"path", "bdpt", "vcm"}) EXPECT_EQ(raysOfFirstPass(name, ""), learning) << name;
+  EXPECT_EQ(raysOfFirstPass("auto", "\"integer passes\" 0 \"integer photons\" 2000"), learning);
+  EXPECT_EQ(raysOfFirstPass("photonmap",
+                            "\"integer passes\" 0 \"integer photons\" 2000 \"bool causticsonly\" true"),
+            learning);
+  EXPECT_EQ(raysOfFirstPass("photonmap", "\"integer passes\" 1 \"integer photons\" 2000"), learning);
+  EXPECT_EQ(
+      raysOfFirstPass("photonmap",
+                      "\"integer passes\" 1 \"integer photons\" 2000 \"string without\" \"lightlearning\""),
+      0u);
 }
 
 TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {

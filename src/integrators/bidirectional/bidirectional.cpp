@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <string_view>
-#include <utility>
 
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
@@ -256,11 +255,11 @@ void Bidirectional::buildPhotons() {
     // Photons straight from a light are left to shadow rays.
     for (uint32_t t = 2; t <= path.count; ++t) {
       const StoredVertex& v = subpaths.vertices[path.first + t - 1];
-      const float geometric = absDot(v.wi, v.point.geometricNormal);
+      if (!v.connectable) continue;
+      const float bent = absDot(v.wi, v.point.shadingNormal) / absDot(v.wi, v.point.geometricNormal);
       const std::optional<Photon> photon =
-          photonAt(v.point.position, v.point.geometricNormal, v.wi,
-                   v.throughput * (absDot(v.wi, v.point.shadingNormal) / geometric), v.state.byte);
-      if (!v.connectable || !photon) continue;
+          photonAt(v.point.position, v.point.geometricNormal, v.wi, v.throughput * bent, v.state.byte);
+      if (!photon) continue;
       found.push_back(*photon);
       photonVertices.push_back({static_cast<uint32_t>(p), t});
     }
