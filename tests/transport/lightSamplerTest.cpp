@@ -215,6 +215,8 @@ TEST(LightSampler, WhatLearningTookIsTold) {
   };
   for (const char* name : {"raycast", "whitted", "vpl", "radiosity"})
     EXPECT_EQ(raysOfPrepare(name), learning) << name;
+  EXPECT_EQ(raysOfPrepare("bdpt"), learning);
+  EXPECT_GT(raysOfPrepare("vcm"), learning); // also probes surfaces
   const auto raysOfFirstPass = [&](const char* name, const char* parameters) {
     const auto integrator = integratorFrom(name, parameters);
     const uint64_t before = integrator->prepare(*scene, PathClasses()).rays;

@@ -156,8 +156,17 @@ TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
                     lamp = "AttributeBegin\nMaterial \"interface\"\nReverseOrientation\n"
                            "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
                            "Shape \"sphere\" \"float radius\" 4\nAttributeEnd\n";
+  // Rays to the outer lamp pass the inner one, whose material has a name.
+  const auto shell = [](const std::string& material, const std::string& radius, const std::string& radiance) {
+    return "AttributeBegin\n" + material + "\nReverseOrientation\nAreaLightSource \"diffuse\" \"rgb L\" [ " +
+           radiance + " " + radiance + " " + radiance + " ]\nShape \"sphere\" \"float radius\" " + radius +
+           "\nAttributeEnd\n";
+  };
+  const std::string lamps = "MakeNamedMaterial \"air\" \"string type\" \"interface\"\n" +
+                            shell("NamedMaterial \"air\"", "4", ".25") +
+                            shell("Material \"interface\"", "5", ".75");
   size_t scenes = 0;
-  for (const std::string& light : {sky, lamp}) {
+  for (const std::string& light : {sky, lamp, lamps}) {
     const auto scene = sceneFrom(furnaceUnderGlass(light));
     ASSERT_TRUE(scene);
     for (const auto& [name, parameters] : dealt(waysWithShadowRays(), scenes++)) {

@@ -161,7 +161,8 @@ class Auto final : public Integrator {
   /** Whether paths replace photonmap, whose squared error is `ratio` times theirs in the trial; notes the
    * decision. */
   static bool arePathsBetter(double ratio, bool withCaustics, std::vector<std::string>& notes) {
-    constexpr double CLEARLY = 2; // trials miss rare bright samples, of which paths have more
+    if (!(ratio > 0)) return false; // neither has found light
+    constexpr double CLEARLY = 2;   // trials miss rare bright samples, of which paths have more
     const char* const rival = withCaustics ? "path with caustic photons" : "path";
     if (ratio > CLEARLY)
       notes.push_back(

@@ -30,10 +30,9 @@ constexpr double MERGE_PIXELS = 1.5;
 
 /** Probes the surfaces around vertices of camera paths. Merges close to them need no probe rays of their own,
  * which would be most of the rays. The vertices take the place of photons in the cache. */
-RadiusCache probeSurfaces(const Scene& scene) {
+RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) {
   constexpr int ACROSS = 64, MAX_DEPTH = 4, NEAREST = 12;
   constexpr uint64_t STREAM = 0x4d45524745ull;
-  TransportCounts counts;
   PhotonMap map;
   map.build(collectAtCameraVertices<Photon>(
       scene, ACROSS, MAX_DEPTH, STREAM, counts,
@@ -64,8 +63,11 @@ TransportCounts Bidirectional::prepare(const Scene& scene, const PathClasses&) {
                                        : double(scene.film().width) * double(scene.film().height);
   if (scene.lights().size() == 0) lightPaths = 0;
   splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
-  surfaces = settings.merges && lightPaths > 0 && !scene.moves() ? probeSurfaces(scene) : RadiusCache();
-  return settings.shadowRays ? learnLights(scene, lights) : TransportCounts();
+  TransportCounts counts;
+  surfaces =
+      settings.merges && lightPaths > 0 && !scene.moves() ? probeSurfaces(scene, counts) : RadiusCache();
+  if (settings.shadowRays) counts.add(learnLights(scene, lights));
+  return counts;
 }
 
 double Bidirectional::mergeRadius(double footprint) const {

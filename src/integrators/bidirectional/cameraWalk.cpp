@@ -365,6 +365,7 @@ class Bidirectional::CameraWalk {
 
 void Bidirectional::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                              PathRadiance& out) const {
+  if (!settings.hits && !settings.shadowRays && !settings.connections && !settings.merges) return;
   CameraWalk(*this, scene, ray, sampler, out).run();
 }
 

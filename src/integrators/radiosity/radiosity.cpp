@@ -172,7 +172,7 @@ class Radiosity final : public Integrator {
     statistics.notes.push_back(
         formatted("radiosity: %.3g million rays for form factors; %.3g %% of the reflected light "
                   "was not distributed",
-                  double(shot) / 1e6, 100 * left / total));
+                  double(shot) / 1e6, total > 0 ? 100 * left / total : 0));
   }
 
   double powerOf(size_t patchSide) const {

@@ -163,8 +163,10 @@ const Material* SceneMaterials::material(const MaterialReference& r) {
   switch (r.kind) {
   case MaterialReference::Kind::NONE:
     return nullptr;
-  case MaterialReference::Kind::NAME:
-    return namedMaterial(r.name, r.location);
+  case MaterialReference::Kind::NAME: {
+    const Material* m = namedMaterial(r.name, r.location);
+    return m && m->lobes() == NO_LOBE ? nullptr : m; // an interface, like Material "interface"
+  }
   case MaterialReference::Kind::INDEX:
     break;
   }

@@ -290,9 +290,11 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   // The weight of rays depends on the support even if it contains no photons.
   if (!settings.leavesLightToRays && !support.byNearest && support.region.radius > flat) {
     // Probe rays take longer than the search, and are left out at random where few photons were found. The
-    // variance that this adds is at most FAINT times the square of the expected irradiance.
+    // variance that this adds is at most FAINT times the square of the expected irradiance, unless the
+    // support is reduced: a small one may be much brighter, and has at most 1 / FAINT times its brightness.
+    const float found = irradianceWithin(map, support.region);
     const float probability =
-        irradianceWithin(map, support.region) / std::max(FAINT * settings.expected, FLT_MIN);
+        found > 0 ? std::max(FAINT, found / std::max(FAINT * settings.expected, FLT_MIN)) : 0;
     if (probability < 1) {
       support.empty = boundary->sampler.next1D() >= probability;
       if (support.empty) return support;
@@ -301,10 +303,10 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   }
   const auto fit = [&] {
     const uint64_t before = counts.rays;
+    const float radius = support.region.radius;
     support.fraction = coveredFraction(*boundary, error, settings.kernel, support.region, counts);
     counts.boundaryRays += counts.rays - before;
-    const bool smaller = square(support.region.radius) < 0.99f * support.radius2;
-    if (!smaller) return;
+    if (support.region.radius == radius) return;
     support.radius2 = square(support.region.radius);
     support.byNearest = false;
   };

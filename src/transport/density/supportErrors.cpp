@@ -14,9 +14,12 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   constexpr size_t AREAS = SupportErrors::AREAS;
   const float recordRadius = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
-  for (size_t j = 0; j < AREAS; ++j) { // the largest is last: its clips remain
+  GatherRegion widest; // of the supports, each of which is reduced where its surface bends away
+  widest.radius = 0;
+  for (size_t j = 0; j < AREAS; ++j) {
     region.radius = recordRadius * ofArea(j);
     const float covered = coveredFraction(boundary, error, kernel, region, counts);
+    if (region.radius >= widest.radius) widest = region;
     const float radius2 = square(region.radius);
     inverse[j] = 1 / radius2;
     norm[j] = INV_PI / (radius2 * covered);
@@ -26,7 +29,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   own.radius = recordRadius;
   const float rarest = byRays.maxBrightness * irradianceWithin(photons, own);
   withKernel(kernel, [&](auto k) {
-    photons.visitWithin(region, [&](const PhotonBlock& block) {
+    photons.visitWithin(widest, [&](const PhotonBlock& block) {
       alignas(32) float d2[8];
       block.distance2.store(d2);
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
