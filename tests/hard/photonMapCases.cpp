@@ -2,6 +2,7 @@
  * 8. The photon map with none, one, two and very many photons, all of them at one point; radii larger than
  * the scene and smaller than any distance; light through thin walls, into corners and over edges.
  */
+#include "../transport/kernelTesting.h"
 #include "hardCase.h"
 
 #include "recurse/core/threads/parallel.h"

@@ -4,6 +4,7 @@
  */
 #include <random>
 
+#include "kernelTesting.h"
 #include "rendering.h"
 #include "transport/density/gather.h"
 #include "transport/density/radiusCache.h"

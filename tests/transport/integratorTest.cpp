@@ -1,6 +1,7 @@
 /** @file
  * Integrators against closed forms, against each other, and against the independent reference pictures.
  */
+#include "kernelTesting.h"
 #include "rendering.h"
 
 #include <filesystem>

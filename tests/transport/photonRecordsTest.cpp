@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "sceneRendering.h"
+#include "transport/learning/guideTraining.h"
 #include "transport/learning/lightLearning.h"
-#include "transport/learning/photonRecords.h"
 
 using namespace recurse;
 using namespace recurse::testing;

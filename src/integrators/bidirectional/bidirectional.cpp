@@ -151,10 +151,7 @@ class Bidirectional::LightWalk {
     const SurfacePoint& point = vertex.point();
     const auto lens = scene.camera().sampleWi(point.position, sampler.next2D(), time);
     if (!lens || !(lens->pdf > 0)) return;
-    Ray ray;
-    ray.origin = lens->position;
-    ray.direction = -lens->direction;
-    ray.time = time;
+    const Ray ray{lens->position, -lens->direction, INFINITE, time};
     const CameraEnd end(scene, ray);
     if (!end.connectable) return;
     const Rgb contribution = vertex.throughput * vertex.scattering->evaluateFlux(vertex.wi, lens->direction) *

@@ -10,8 +10,7 @@
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/boundaryCorrection.h"
 #include "transport/direct/directLight.h"
-#include "transport/direct/recordedLight.h"
-#include "transport/paths/recordedSample.h"
+#include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -24,7 +23,7 @@ class Bidirectional::CameraWalk {
              PathRadiance& out)
       : owner(owner), scene(scene), classes(out.pathClasses()), sampler(sampler), out(out),
         camera(scene, ray), walker(scene, classes, out.counts, owner.settings.maxDepth),
-        path(startCameraSubpath(scene, classes, ray, out.counts)), vertices(1) {
+        path(startCameraSubpath(scene, classes, ray, out.counts)), vertices(1), record(out.recorder) {
     path.pdf = camera.pdf;
     path.parallel = camera.parallel;
     const std::vector<StoredPath>& paths = owner.subpaths.paths;
@@ -45,7 +44,7 @@ class Bidirectional::CameraWalk {
       if (out.abandoned()) return;
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
-      if (out.recorder) recordStep(*step);
+      record.leave(vertex, *step, path.throughput);
       vertices.back().delta = path.delta;
       vertices[vertices.size() - 2].fromLight =
           path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
@@ -61,14 +60,7 @@ class Bidirectional::CameraWalk {
     seenAlong += distance;
     if (!radiusKnown) radius = owner.mergeRadius(camera.footprint(seenAlong));
     vertices.push_back({vertex.pdf, 1});
-    if (out.recorder)
-      recordedVertex = out.recorder->addVertex(recordedStep, vertex.hit, path.ray.direction,
-                                               vertex.scattering->lobes(), vertex.throughput);
-  }
-
-  void recordStep(const Scatter& s) {
-    recordedStep = out.recorder->addStep(
-        recurse::recordedStep(recordedVertex, s, path.throughput, vertex.pdfReverse(s.direction)));
+    record.arrive(vertex);
   }
 
   /** Records a light path, unless this walk has done so. Returns the index of its start. */
@@ -104,7 +96,7 @@ class Bidirectional::CameraWalk {
                   double weight) {
     RecordedSource& s = out.recorder->source;
     const int estimate = technique == PathTechnique::MERGE ? s.estimate : NOT_RECORDED;
-    s = {.technique = technique, .vertex = recordedVertex, .step = recordedStep, .estimate = estimate};
+    s = {.technique = technique, .vertex = record.vertex(), .step = record.step(), .estimate = estimate};
     s.lightVertex = recordLightPath(from) + static_cast<int>(t);
     s.end = vertexOf(from, t).point.position;
     s.weight = static_cast<float>(weight);
@@ -148,9 +140,9 @@ class Bidirectional::CameraWalk {
       weight = hitWeight(*full);
     }
     if (out.recorder) {
-      recordHit(*out.recorder, recordedStep, found, {});
+      recordHit(*out.recorder, record.step(), found, {});
       RecordedSource& s = out.recorder->source;
-      s.vertex = recordedVertex;
+      s.vertex = record.vertex();
       s.weight = static_cast<float>(weight);
       s.pdf = path.delta ? 0 : static_cast<float>(path.pdf);
       if (full) recordWeights(*full);
@@ -198,7 +190,7 @@ class Bidirectional::CameraWalk {
     if (!(full.shadowRays > 0)) return;
     const auto weight = static_cast<float>(connectionWeight(full, full.edges() - 1));
     if (out.recorder) {
-      recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
+      recordLightSample(*out.recorder, record.vertex(), *sample, pdf,
                         static_cast<float>(vertex.pdfDirection(direction)),
                         static_cast<float>(vertex.pdfReverse(direction)), weight);
       out.recorder->source.panes = static_cast<int>(panes.size());
@@ -256,21 +248,17 @@ class Bidirectional::CameraWalk {
   /** Adds technique M_s: merges with all photons within the radius. */
   void addPhotons() {
     const SurfacePoint& point = vertex.point();
-    GatherRegion region;
-    region.center = point.position;
-    region.normal = point.normalTowards(vertex.wi);
-    region.radius = static_cast<float>(radius);
-    region.flatness = FLATNESS;
-    region.bothSides = (vertex.scattering->lobes() & TRANSMISSION) != 0;
+    GatherRegion region{point.position, point.normalTowards(vertex.wi), static_cast<float>(radius),
+                        GatherSettings().flatness, (vertex.scattering->lobes() & TRANSMISSION) != 0};
     ++out.counts.gathers;
     if (!anyWithin(owner.photons, region)) return;
     const CachedRadius surface = owner.surfaces.at(region.center, region.normal);
-    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_FORK), surface.known, surface.away};
+    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_STREAM), surface.known, surface.away};
     const float covered =
         coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
     supportArea = double(PI) * square(double(region.radius)) * double(covered);
     int found = 0;
-    if (out.recorder) out.recorder->beginEstimate(recordedVertex, false);
+    if (out.recorder) out.recorder->beginEstimate(record.vertex(), false);
     owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
       if (out.abandoned()) return;
       found += std::popcount(block.mask);
@@ -331,10 +319,8 @@ class Bidirectional::CameraWalk {
     copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
   }
 
-  /** Half the height of the gather region over its radius: merges stay on one surface. */
-  static constexpr float FLATNESS = 0.2f;
   /** Number of the sampler fork for the rays of boundary correction. */
-  static constexpr uint32_t BOUNDARY_FORK = 1;
+  static constexpr uint32_t BOUNDARY_STREAM = 1;
 
   const Bidirectional& owner;
   const Scene& scene;
@@ -359,7 +345,7 @@ class Bidirectional::CameraWalk {
   double supportArea = 0;                         ///< area within the kernel support around the vertex
   bool radiusKnown = false;                       ///< `radius` is fixed by the first non-delta vertex
   std::map<const StoredPath*, int> recordedPaths; ///< index of the start in the record
-  int recordedVertex = NOT_RECORDED, recordedStep = CAMERA_STEP; ///< last entries of the record
+  RecordedCameraPath record;
   BsdfArena arena;
 };
 

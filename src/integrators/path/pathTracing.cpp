@@ -6,7 +6,6 @@
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
-#include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/learning/lightLearning.h"
 

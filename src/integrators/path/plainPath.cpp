@@ -4,7 +4,6 @@
 #include "integrators/path/plainPath.h"
 
 #include "recurse/transport/integrator/lightPathRecorder.h"
-#include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"

@@ -67,9 +67,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
   const auto flight = [&](uint16_t medium, float end) { passMedium(scene, path, medium, end, sampler, out); };
   for (;;) {
     path.walk.needed = path.weights.share == 0 && path.weights.direct.merged == 0 ? DELTA_LOBES : NO_LOBE;
-    if (!walker.next(
-            path.walk, vertex, sampler, emission, [](const Rgb&) {}, flight))
-      return;
+    if (!walker.next(path.walk, vertex, sampler, emission, Ignore(), flight)) return;
     if (settings.maxDepth >= 0 && path.walk.depth > settings.maxDepth) {
       out.counts.truncatedThroughput += double(maxComponent(path.sharedThroughput()));
       return;

@@ -2,7 +2,6 @@
  * Emitted light that a camera path of the photon mapping estimator hits, and shadow rays.
  */
 #include "integrators/photonmap/photonMapping.h"
-#include "transport/direct/recordedLight.h"
 
 namespace recurse {
 

@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-constexpr uint32_t HERO = 64; ///< fork number, distinct from the numbers of branches
+constexpr uint32_t HERO_STREAM = 64; ///< fork number, distinct from the numbers of branches
 
 /** Numbers of shadow rays in media. They are cheap, so there are more before the camera path's first surface,
  * where only a part of the ray may see the sun through a window, or a spotlight. */
@@ -63,7 +63,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
   if (settings.directLight) return;
   CameraSubpath lit = path.walk;
-  lit.hero = drawHero(sampler.fork(HERO).next1D());
+  lit.hero = drawHero(sampler.fork(HERO_STREAM).next1D());
   const int panes = panesLeft(settings.maxDepth, path.walk.depth + 1);
   CameraVertex vertex;
   vertex.medium = &medium;
@@ -100,7 +100,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);
   for (; i < rays.others && !out.abandoned(); ++i) {
     // A forked sampler keeps the random numbers of the path unchanged.
-    Sampler raySampler = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
+    Sampler raySampler = sampler.fork(HERO_STREAM + 1 + static_cast<uint32_t>(i));
     addRay(i, raySampler);
   }
 }
@@ -124,8 +124,7 @@ void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, cons
     if (p.medium != number) return;
     const Vec3f flight = unpackDirection(p.direction);
     add(p.position, flight, p.power * kernel, t, p.pathState,
-        lengthNear(path.walk.ray.at(t), p.position, -flight, inMedia.points.pathLength(p),
-                   path.walk.optical.index));
+        lengthNear(path.walk.ray.at(t), p.position, -flight, p.pathLength, path.walk.optical.index));
   });
   if (inMedia.beams.size() == 0 || !medium.isHomogeneous()) return;
   const MediumPoint point = medium.at(path.walk.ray.origin);
@@ -134,7 +133,7 @@ void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, cons
     if (b.medium == number)
       add(b.origin + s * b.direction, b.direction,
           b.power * flight::transmittance(relative, s) * point.scattering * kernel, t, b.pathState,
-          inMedia.beams.pathLength(b) + path.walk.optical.index * s);
+          b.pathLength + path.walk.optical.index * s);
   });
 }
 

@@ -1,6 +1,8 @@
 /** @file
  * photonmap and sppm: the parameters of Recurse's estimate of radiance.
  */
+#include <algorithm>
+
 #include "integrators/photonmap/photonMapping.h"
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
@@ -14,17 +16,13 @@ namespace {
  * which must fit single precision in scenes of any size. */
 constexpr double MAX_RADIUS = 1e17;
 
-constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanism::NONE},
-                                                            {"lightlearning", Mechanism::LIGHT_LEARNING},
-                                                            {"shadowopenings", Mechanism::SHADOW_OPENINGS},
-                                                            {"splitting", Mechanism::SPLITTING},
-                                                            {"judgedradii", Mechanism::JUDGED_RADII},
-                                                            {"mergeweights", Mechanism::MERGE_WEIGHTS}};
+// Words of parameters, in the order of the enumerations.
+const std::vector<std::string> KERNELS{"constant", "cone", "epanechnikov"}, INDICES{"kdtree", "flann"},
+    MECHANISMS{"nothing", "lightlearning", "shadowopenings", "splitting", "judgedradii", "mergeweights"};
 
-std::vector<std::string> mechanismNames() {
-  std::vector<std::string> names;
-  for (const auto& [name, mechanism] : MECHANISMS) names.emplace_back(name);
-  return names;
+template <class Enum>
+Enum enumeratorOf(const Parameters& p, const char* name, const std::vector<std::string>& words) {
+  return Enum(std::find(words.begin(), words.end(), p.string(name)) - words.begin());
 }
 
 /** Settings that photonmap and sppm share. */
@@ -41,12 +39,11 @@ PhotonMappingSettings common(const Parameters& p) {
   s.finalGather = p.integer("finalgather");
   s.shareIrradiance = p.boolean("shareirradiance");
   s.weighting = GatherWeighting::belowRoughness(p.real("followroughness"));
-  s.kernel = *parseKernel(p.string("kernel"));
-  s.index = *parsePhotonIndex(p.string("photonindex"));
+  s.kernel = enumeratorOf<Kernel>(p, "kernel", KERNELS);
+  s.index = enumeratorOf<PhotonIndexKind>(p, "photonindex", INDICES);
   s.alpha = p.real("alpha");
   s.beams = p.string("volumephotons") == "beams";
-  for (const auto& [name, mechanism] : MECHANISMS)
-    if (p.string("without") == name) s.without = mechanism;
+  s.without = enumeratorOf<Mechanism>(p, "without", MECHANISMS);
   s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
   return s;
 }
@@ -76,11 +73,10 @@ std::vector<ParameterSpec> densityEstimateParameters() {
                        "boundary correction: divide by the area of surface within the radius, which rays "
                        "measure near edges, walls and on curved surfaces, and in media by the enclosed "
                        "volume. false: divide by the whole disc, which darkens edges"),
-      stringParameter("kernel", "epanechnikov", "weight of photons by distance")
-          .oneOf({"constant", "cone", "epanechnikov"}),
+      stringParameter("kernel", "epanechnikov", "weight of photons by distance").oneOf(KERNELS),
       stringParameter("photonindex", "kdtree",
                       "search structure of the photons; flann is slower, and only for comparison")
-          .oneOf({"kdtree", "flann"})};
+          .oneOf(INDICES)};
 }
 
 std::vector<ParameterSpec> transportParameters() {
@@ -119,7 +115,7 @@ std::vector<ParameterSpec> transportParameters() {
                       "for studies of one mechanism, switch it off: lights chosen by position, openings for "
                       "shadow rays, splitting of strong photons, radii chosen by error, MIS weights of "
                       "photons and rays")
-          .oneOf(mechanismNames())};
+          .oneOf(MECHANISMS)};
 }
 
 /** Adds the parameters that photonmap and sppm share. */

@@ -132,7 +132,7 @@ void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, con
 void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons shot,
                            ForwardStatistics& statistics) {
   const auto start = std::chrono::steady_clock::now();
-  const std::vector<float> lengths = causticsFirst(shot.onSurfaces, shot.lengths.onSurfaces);
+  const std::vector<float> lengths = causticsFirst(shot.onSurfaces, shot.lengths);
   const auto firstIndirect = std::stable_partition(shot.onSurfaces.begin(), shot.onSurfaces.end(),
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.onSurfaces.begin(), firstIndirect}, settings.index);
@@ -145,9 +145,8 @@ void PhotonPass::buildMaps(const Scene& scene, const Pass& pass, ShotPhotons sho
   constexpr float WIDEST = 0.05f;       // maximum radius relative to the scene's; wider hides all detail
   constexpr float ONE_DIMENSION = 1.2f; // ratio of the optimal rates 1/5 (blur in one dimension) and 1/6
   const float widest = WIDEST * scene.bounds().radius;
-  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest, shot.lengths.inMedia);
-  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest,
-                           std::move(shot.lengths.beams));
+  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
+  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
   if (settings.edges) mediaPhotons.points.findBounds(scene, pass.time, statistics.counts);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);

@@ -86,11 +86,12 @@ float depthBelow(const Scene& scene, const Vec3f& position, const Vec3f& normal,
 }
 
 /** Finds the walls that rays along the surface hit within the region's radius, rising from it or ending just
- * above it. `distances`: infinite where there is none. */
+ * above it. Returns their distances, which are infinite where there is none. */
 template <size_t N>
-void findWalls(const Scene& scene, float error, const GatherRegion& region,
-               const std::array<Vec3f, N>& directions, std::array<float, N>& distances, Neighbourhood& found,
-               TransportCounts& counts) {
+std::array<float, N> findWalls(const Scene& scene, float error, const GatherRegion& region,
+                               const std::array<Vec3f, N>& directions, Neighbourhood& found,
+                               TransportCounts& counts) {
+  std::array<float, N> distances;
   distances.fill(INFINITE);
   const float margin = wallMargin(region, error);
   const auto lookAlong = [&](float height) {
@@ -118,39 +119,11 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
       intersectFirst(scene, {start, region.normal, found.heightKnown() - low}, above, counts, castsShadow))
     found.clearance = glm::distance(region.center, above.point.position);
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
+  return distances;
 }
 
-/** Directions of points in a unit disc, uniform by a sunflower spiral: unit vectors in its plane. */
-template <int N> struct Spiral {
-  std::array<Vec2f, N> directions;
-  Spiral() {
-    constexpr float GOLDEN_ANGLE = 2.39996323f;
-    for (int i = 0; i < N; ++i)
-      directions[size_t(i)] = {std::cos(GOLDEN_ANGLE * static_cast<float>(i)),
-                               std::sin(GOLDEN_ANGLE * static_cast<float>(i))};
-  }
-};
-
-/** Mean of `weight(offset, q)` over a kernel's support; q: squared length of the offset in radii. */
-template <int N, class Weight>
-float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, const Weight& weight) {
-  static const Spiral<N> spiral;
-  const Frame frame(region.normal);
-  const float turn = 2 * PI * u.y;
-  const Vec3f x = frame.x * std::cos(turn) + frame.y * std::sin(turn), y = glm::cross(region.normal, x);
-  return withKernel(kernel, [&](auto k) {
-    const auto shape = [](float q) { return kernelShape<decltype(k)::value>(q); };
-    float sum = 0, all = 0;
-    for (int i = 0; i < N; ++i) {
-      const float q = (static_cast<float>(i) + u.x) / N;
-      all += shape(q);
-      const Vec2f& at = spiral.directions[size_t(i)];
-      const Vec3f offset = (x * at.x + y * at.y) * (region.radius * std::sqrt(q));
-      sum += weight(offset, q, shape);
-    }
-    return sum / all;
-  });
-}
+/** Slope up to which a surface counts as one plane. */
+constexpr float SLOPE = 0.02f;
 
 /** Probe that traces rays down to the plane of a region to find its surface. */
 class SurfaceProbe {
@@ -161,10 +134,7 @@ class SurfaceProbe {
       : scene(scene), error(error), region(region), start(std::max(height, 4 * error)), counts(counts) {}
 
   /** Whether the surface continues in the plane at a point of it. */
-  bool flat(const Vec3f& position) {
-    constexpr float SAME_PLANE = 0.9998f;
-    return cosine(position) >= SAME_PLANE && !isStep(position);
-  }
+  bool flat(const Vec3f& position) { return cosine(position) >= 1 - SLOPE * SLOPE / 2 && !isStep(position); }
   /** Height of the last probe above the tangent plane [scene units]. */
   float height() const { return lastHeight; }
 
@@ -208,7 +178,6 @@ class SurfaceProbe {
   /** Whether the last probe is higher or lower than the slope within one plane allows, as on a board on a
    * table. */
   bool isStep(const Vec3f& position) const {
-    constexpr float SLOPE = 0.02f; // slope that SAME_PLANE allows
     return lastHeight > SLOPE * glm::distance(position, region.center) + 4 * error;
   }
   /** Cosine between the normals of surface and plane; 0 if there is no surface. */
@@ -264,15 +233,13 @@ float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
 
 Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRegion& region,
                                  Sampler& sampler, TransportCounts& counts) {
-  constexpr int DIRECTIONS = 12;
   constexpr float RINGS[] = {0.05f, 0.15f, 0.35f, 0.55f, 0.75f, 1};
-  const auto rays = directions<DIRECTIONS>(region.normal, sampler.next1D());
+  const auto rays = directions<12>(region.normal, sampler.next1D());
   Neighbourhood found;
   found.reach = region.radius;
-  std::array<float, DIRECTIONS> walls;
-  findWalls(scene, error, region, rays, walls, found, counts);
+  const auto walls = findWalls(scene, error, region, rays, found, counts);
   const float height = freeHeight(found, region.radius);
-  for (size_t i = 0; i < DIRECTIONS; ++i) {
+  for (size_t i = 0; i < rays.size(); ++i) {
     const float distance = RINGS[i % 2 == 0 ? 1 : 2] * region.radius;
     Hit hit;
     if (walls[i] > distance &&
@@ -285,7 +252,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
   float before = 0;
   for (const float ring : RINGS) {
     const float distance = ring * region.radius;
-    for (size_t i = 0; i < DIRECTIONS; ++i) {
+    for (size_t i = 0; i < rays.size(); ++i) {
       if (walls[i] <= distance) continue;
       const Vec3f position = region.center + rays[i] * distance;
       if (!found.sees(position)) continue;
@@ -297,7 +264,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
       if (!edge || found.planeCount == Neighbourhood::MAX_PLANES) return found;
       found.add(*edge);
     }
-    found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may be between two directions
+    found.flat = distance * std::cos(PI / rays.size()); // an edge may be between two directions
     before = distance;
   }
   return found;
@@ -305,39 +272,57 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
 
 namespace {
 
+/** Numbers of points at which a support is measured, and once it is reduced. */
+constexpr int FEW_POINTS = 8, MANY_POINTS = 16;
+
 /** Surface within a kernel support. */
 struct SurfaceInSupport {
   float fraction = 1; ///< fraction of the kernel's weight
   float cosine = 1;   ///< mean cosine between the surface's normals and the region's
 };
 
-/** Measures the unclipped support at N points. */
-template <int N>
+/** Measures the unclipped support at `count` points, uniform by a sunflower spiral. */
 SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kernel, const GatherRegion& region,
-                         TransportCounts& counts) {
+                         int count, TransportCounts& counts) {
+  static const std::array<Vec2f, MANY_POINTS> spiral = [] {
+    std::array<Vec2f, MANY_POINTS> made;
+    const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+    for (size_t i = 0; i < made.size(); ++i)
+      made[i] = {std::cos(goldenAngle * static_cast<float>(i)),
+                 std::sin(goldenAngle * static_cast<float>(i))};
+    return made;
+  }();
   const Vec2f u = boundary.sampler.next2D();
-  const float free = freeHeight(*boundary.known, region.radius);
-  float cosines = 0;
-  int hitCount = 0;
-  const float fraction = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
-    const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
-    const float start = std::max(height, free); // geometry above the support hides the surface below
-    Hit hit;
-    if (!intersectNonDelta(boundary.scene,
-                           {region.center + offset + region.normal * start, -region.normal, start + height},
-                           hit, counts))
-      return 0.0f;
-    if (!region.unclipped(hit.point.position - region.center)) return 0.0f;
-    const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
-    // Ignores differences within the position error of a plane.
-    if (std::abs(hit.t - start) > 4 * error)
-      q = region.distance2(hit.point.position - region.center) / square(region.radius);
-    if (cosine <= GatherRegion::MIN_COSINE || q > 1) return 0.0f;
-    cosines += cosine;
-    ++hitCount;
-    return shape(q) / cosine;
+  const Frame frame(region.normal);
+  const float turn = 2 * PI * u.y, free = freeHeight(*boundary.known, region.radius);
+  const Vec3f x = frame.x * std::cos(turn) + frame.y * std::sin(turn), y = glm::cross(region.normal, x);
+  return withKernel(kernel, [&](auto k) {
+    float sum = 0, all = 0, cosines = 0;
+    int hitCount = 0;
+    for (int i = 0; i < count; ++i) {
+      float q = (static_cast<float>(i) + u.x) / static_cast<float>(count); // squared distance in radii
+      all += kernelShape<k.value>(q);
+      const Vec2f& at = spiral[size_t(i)];
+      const Vec3f offset = (x * at.x + y * at.y) * (region.radius * std::sqrt(q));
+      const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
+      const float start = std::max(height, free); // geometry above the support hides the surface below
+      Hit hit;
+      if (!intersectNonDelta(boundary.scene,
+                             {region.center + offset + region.normal * start, -region.normal, start + height},
+                             hit, counts) ||
+          !region.unclipped(hit.point.position - region.center))
+        continue;
+      const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
+      // Ignores differences within the position error of a plane.
+      if (std::abs(hit.t - start) > 4 * error)
+        q = region.distance2(hit.point.position - region.center) / square(region.radius);
+      if (cosine <= GatherRegion::MIN_COSINE || q > 1) continue;
+      cosines += cosine;
+      ++hitCount;
+      sum += kernelShape<k.value>(q) / cosine;
+    }
+    return SurfaceInSupport{sum / all, hitCount > 0 ? cosines / static_cast<float>(hitCount) : 1};
   });
-  return {fraction, hitCount > 0 ? cosines / static_cast<float>(hitCount) : 1};
 }
 
 /** Radius over that of a measured support in which the mean cosine would be `minCosine`: on a sphere, 1 -
@@ -351,12 +336,10 @@ float reductionOf(float cosine, float minCosine) {
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
                       TransportCounts& counts) {
   if (!boundary.known || region.radius > boundary.known->reach - boundary.away) {
-    constexpr int DIRECTIONS = 8;
-    std::array<float, DIRECTIONS> wallDistances;
     boundary.probed = {};
     boundary.probed.reach = region.radius;
-    findWalls(boundary.scene, error, region, directions<DIRECTIONS>(region.normal, boundary.sampler.next1D()),
-              wallDistances, boundary.probed, counts);
+    findWalls(boundary.scene, error, region, directions<8>(region.normal, boundary.sampler.next1D()),
+              boundary.probed, counts);
     boundary.known = &boundary.probed;
     boundary.away = 0;
   }
@@ -378,7 +361,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   };
   // Few rays cannot distinguish small fractions, and dividing by one that is too small gives bright spots.
   constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
-  constexpr int MAX_STEPS = 40, FEW_POINTS = 8, MANY_POINTS = 16;
+  constexpr int MAX_STEPS = 40;
   SurfaceInSupport surface;
   float before = 0;
   for (int step = 0; step < MAX_STEPS; ++step) {
@@ -392,7 +375,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
       region.radius *= STEP;
       continue;
     }
-    surface = measure<FEW_POINTS>(boundary, error, kernel, region, counts);
+    surface = measure(boundary, error, kernel, region, FEW_POINTS, counts);
     if (surface.fraction >= MIN_FRACTION && surface.cosine >= MIN_COSINE) {
       if (step == 0) return surface.fraction;
       break;
@@ -400,7 +383,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     region.radius *= std::min(STEP, reductionOf(surface.cosine, MIN_COSINE));
   }
   // Measured again with more points, since the fraction that ended the loop is biased upwards.
-  surface = measure<MANY_POINTS>(boundary, error, kernel, region, counts);
+  surface = measure(boundary, error, kernel, region, MANY_POINTS, counts);
   return surface.fraction > 0 ? std::max(surface.fraction, MIN_FRACTION / 2)
                               : 1; // 0: not visible, nothing is known
 }

@@ -359,10 +359,9 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   result.mergeDensity =
       mergeDensityWithin(settings.mergeDensity, square(std::max(settings.radius, footprint / 2)));
   if (map.empty()) return result;
-  GatherRegion region;
-  region.center = point.position;
-  region.normal = point.normalTowards(eye);
-  region.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
+  const GatherRegion region{.center = point.position,
+                            .normal = point.normalTowards(eye),
+                            .bothSides = (scattering.lobes() & TRANSMISSION) != 0};
   thread_local PhotonScratch scratch;
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
@@ -411,9 +410,7 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
                const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts) {
   ++counts.gathers;
   if (map.empty()) return BLACK;
-  GatherRegion region;
-  region.center = position;
-  region.normal = normal;
+  const GatherRegion region{.center = position, .normal = normal};
   thread_local PhotonScratch scratch;
   const Support support = findKernelSupport(map, settings, region, error, 0, boundary, scratch, counts);
   if (support.empty) return BLACK;

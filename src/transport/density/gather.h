@@ -22,11 +22,12 @@ struct GatherErrors {
   double byRays = 0, variance = 0;
   /** Weight of photons in a support with this fraction of the area within GatherSettings::radius. */
   float photonWeight(double areaFraction) const {
-    // Bounds of the rays' fraction of the error; beyond them the second estimate costs more than it gains.
-    constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;
+    // Bound of the rays' fraction of the error, and of that of photons; beyond them the second estimate costs
+    // more than it gains.
+    constexpr double ONLY_RAYS = 0.35;
     const double rays = areaFraction * byRays;
     const double share = rays > 0 ? rays / (rays + variance) : 0;
-    return static_cast<float>(std::clamp((share - ONLY_RAYS) / (ONLY_PHOTONS - ONLY_RAYS), 0.0, 1.0));
+    return static_cast<float>(std::clamp((share - ONLY_RAYS) / (1 - 2 * ONLY_RAYS), 0.0, 1.0));
   }
 };
 

@@ -41,12 +41,8 @@ PhotonsAround searchAround(std::span<const VisiblePoint> seen, const PhotonMap& 
   PhotonScratch scratch;
   for (const VisiblePoint& visible : seen) {
     around.widths.push_back(double(visible.footprint));
-    GatherRegion region;
-    region.center = visible.point.position;
-    region.normal = visible.point.geometricNormal;
-    region.bothSides = true;
-    region.flatness = search.flatness;
-    region.radius = search.radius;
+    const GatherRegion region{visible.point.position, visible.point.geometricNormal, search.radius,
+                              search.flatness, true};
     int count = 0;
     if (search.nearest > 0) {
       const NearestPhotons n = map.nearest(region, search.nearest, scratch);

@@ -143,12 +143,10 @@ class RecordFitter {
   }
 
  private:
-  /** Records at which the errors of supports are measured. */
-  struct Measured {
+  /** Records at which the errors of supports are measured, before any choice of area. */
+  struct Measured : Fitted {
     std::vector<size_t> indices; ///< index of each measured record among all records
-    std::vector<Record> records; ///< before any choice of area
     std::vector<SupportErrors> errors;
-    PhotonMap positions;
     double dark2 = 0; ///< squared irradiance that counts as dark
   };
 
@@ -175,16 +173,12 @@ class RecordFitter {
     measureSome(0, ofPhotons);
     measureSome(ofPhotons, records.size());
     const size_t count = indices.size();
-    std::vector<Photon> at(count);
     measured.errors.resize(count);
-    measured.records.resize(count);
     forAll(count, [&](size_t m, PhotonScratch& scratch, TransportCounts& taskCounts) {
       const size_t i = indices[m];
       Record& record = records[i];
       fitToPhotons(record, i, scratch, taskCounts);
       SupportErrors& errors = measured.errors[m];
-      at[m].position = record.position;
-      measured.records[m] = record;
       GatherRegion region = regionAt(record);
       BoundaryCorrection boundary = surroundingsOf(record, i);
       region.flatness = flatnessOf(record, boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
@@ -194,16 +188,11 @@ class RecordFitter {
     double mean = 0;
     for (const SupportErrors& e : measured.errors) mean += e.irradiance / static_cast<double>(count);
     measured.dark2 = square(DARK * mean);
-    measured.positions.build(at);
+    static_cast<Fitted&>(measured) = fittedOf(records);
     return measured;
   }
 
-  static GatherRegion around(const Vec3f& position) {
-    GatherRegion region;
-    region.center = position;
-    region.bothSides = true;
-    return region;
-  }
+  static GatherRegion around(const Vec3f& position) { return {.center = position, .bothSides = true}; }
   /** Calls f(index) for each position of a block. */
   template <class F>
   static void forIndices(const PhotonMap& positions, const PhotonBlock& block, const F& f) {
@@ -320,13 +309,7 @@ class RecordFitter {
   }
 
   GatherRegion regionAt(const Record& record) const {
-    GatherRegion region;
-    region.center = record.position;
-    region.normal = record.normal;
-    region.flatness = search.flatness;
-    region.radius = record.radius;
-    region.bothSides = record.bothSides;
-    return region;
+    return {record.position, record.normal, record.radius, search.flatness, record.bothSides};
   }
   BoundaryCorrection surroundingsOf(const Record& record, size_t key) const {
     const Neighbourhood& around = record.around;
@@ -413,7 +396,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   }
   index.build(lifted);
   std::vector<Record> inOrder(records.size());
-  for (size_t slot = 0; slot < records.size(); ++slot) inOrder[slot] = records[index.emissionIndex(slot)];
+  for (size_t slot = 0; slot < index.size(); ++slot) inOrder[slot] = records[index.emissionIndex(slot)];
   records = std::move(inOrder);
   findNeighbours();
 }

@@ -82,14 +82,9 @@ class RadiusCache {
   float limit = 0, lift = 0;
 
   void findNeighbours();
-  /** The nearest to a position among a record and its neighbours. */
-  size_t nearestOf(size_t record, const Vec3f& position) const;
   /** Region around the displaced position of a record at the point. */
   GatherRegion regionInIndex(const Vec3f& position, const Vec3f& normal) const {
-    GatherRegion region;
-    region.center = position + lift * normal;
-    region.bothSides = true;
-    return region;
+    return {.center = position + lift * normal, .bothSides = true};
   }
 };
 

@@ -25,8 +25,7 @@ void RadiusCache::findNeighbours() {
     std::array<float, NEIGHBOURS> distances;
     for (size_t j = 0; j < count; ++j)
       distances[j] = glm::distance(records[i].position, records[others[j]].position);
-    constexpr size_t THIRD = 2;
-    const size_t chosen = std::min(THIRD, count - 1);
+    const size_t chosen = std::min<size_t>(2, count - 1); // the third
     std::nth_element(distances.begin(), distances.begin() + ptrdiff_t(chosen),
                      distances.begin() + ptrdiff_t(count));
     records[i].spacing = distances[chosen];
@@ -69,23 +68,13 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
       offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
     }
     offset = (offset - normal * glm::dot(offset, normal)) * records[best.index].spacing;
-    const size_t slot = nearestOf(best.index, position + offset);
-    if (slot != best.index && isSameSurface(records[slot])) best = resultOf(slot, true);
+    const auto distance2 = [&](size_t i) { return lengthSquared(position + offset - records[i].position); };
+    const size_t slot = *std::ranges::min_element(neighbours[best.index], {}, distance2);
+    if (distance2(slot) < distance2(best.index) && isSameSurface(records[slot])) best = resultOf(slot, true);
   }
   // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
   best.radius = std::min(limit, std::max(best.radius, best.away));
   return best;
-}
-
-size_t RadiusCache::nearestOf(size_t record, const Vec3f& position) const {
-  size_t nearest = record;
-  float least = lengthSquared(position - records[record].position);
-  for (const uint32_t slot : neighbours[record])
-    if (const float distance2 = lengthSquared(position - records[slot].position); distance2 < least) {
-      least = distance2;
-      nearest = slot;
-    }
-  return nearest;
 }
 
 } // namespace recurse

@@ -13,8 +13,6 @@ namespace recurse {
 
 namespace {
 
-/** Minimum number of exits; fewer do not represent the openings of a scene. */
-constexpr size_t MIN_EXITS = 64;
 /** Square root of the maximum number of camera paths in a round. */
 constexpr int MAX_ACROSS = 128;
 
@@ -60,20 +58,20 @@ void findExits(const Scene& scene, const std::vector<size_t>& distant, int resol
   exits.insert(exits.end(), found.begin(), found.end());
 }
 
-/** Moves exits to the crossings of their last segments with others; removes those without. */
-void moveToCrossings(std::vector<CameraExit>& exits, uint64_t seed) {
+/** Crossings of the last segments of exits with others; exits without a crossing have none. */
+std::vector<CameraExit> crossingsOf(const std::vector<CameraExit>& exits, uint64_t seed) {
   constexpr size_t OTHERS = 64, CLOSEST = 8; // paths through the same hole are closest, for up to eight holes
   constexpr float PARALLEL = 0.05f;          // maximum squared sine between nearly parallel paths
   struct Approach {
     float distance2, along;
   };
-  std::vector<CameraExit> moved(exits.size());
-  std::vector<char> known(exits.size());
+  std::vector<std::optional<CameraExit>> moved(exits.size());
   parallelFor(exits.size(), [&](size_t i) {
     const CameraExit& exit = exits[i];
-    moved[i] = exit;
-    known[i] = exit.direction == Vec3f(0);
-    if (known[i]) return;
+    if (exit.direction == Vec3f(0)) {
+      moved[i] = exit;
+      return;
+    }
     Sampler sampler(seed, 0x43524f5353ull, static_cast<uint32_t>(i));
     std::vector<Approach> approaches;
     for (size_t k = 0; k < OTHERS; ++k) {
@@ -95,26 +93,26 @@ void moveToCrossings(std::vector<CameraExit>& exits, uint64_t seed) {
                      [](const Approach& a, const Approach& b) { return a.distance2 < b.distance2; });
     std::nth_element(approaches.begin(), approaches.begin() + CLOSEST / 2, approaches.begin() + CLOSEST,
                      [](const Approach& a, const Approach& b) { return a.along < b.along; });
-    moved[i].along = approaches[CLOSEST / 2].along;
-    moved[i].position += exit.direction * moved[i].along;
-    known[i] = true;
+    const float along = approaches[CLOSEST / 2].along;
+    moved[i] = exit;
+    moved[i]->along = along;
+    moved[i]->position += exit.direction * along;
   });
   std::vector<CameraExit> found;
-  for (size_t i = 0; i < exits.size(); ++i)
-    if (known[i]) found.push_back(moved[i]);
-  exits = std::move(found);
+  for (const std::optional<CameraExit>& exit : moved)
+    if (exit) found.push_back(*exit);
+  return found;
 }
 
 /** Exits of as many rounds of camera paths as needed to find openings. */
 std::vector<CameraExit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int resolution,
                                 uint64_t seed, TransportCounts& counts) {
-  constexpr size_t MANY = 8 * MIN_EXITS;
   constexpr int ROUNDS = 4;
   std::vector<CameraExit> exits;
   for (int round = 0; round < ROUNDS; ++round) {
     findExits(scene, distant, resolution, hashCombine(seed, uint64_t(round)), exits, counts);
     // Further rounds refine small holes that few paths find; a closed room needs none.
-    if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
+    if (exits.size() >= MANY_POSITIONS || exits.size() < ENOUGH_POSITIONS / ROUNDS) break;
   }
   return exits;
 }
@@ -126,10 +124,9 @@ std::vector<CameraExit> exitCrossings(const Scene& scene, uint64_t seed, Transpo
   const double pixels = double(film.width) * double(film.height);
   const int resolution = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
   std::vector<CameraExit> exits = exitsOf(scene, {}, resolution, seed, counts);
-  std::vector<CameraExit> crossings = exits;
-  moveToCrossings(crossings, seed);
-  if (crossings.size() >= MIN_EXITS) return crossings;
-  if (exits.size() < MIN_EXITS) exits.clear(); // otherwise all paths leave from a pane
+  std::vector<CameraExit> crossings = crossingsOf(exits, seed);
+  if (crossings.size() >= ENOUGH_POSITIONS) return crossings;
+  if (exits.size() < ENOUGH_POSITIONS) exits.clear(); // otherwise all paths leave from a pane
   return exits;
 }
 
@@ -139,10 +136,9 @@ std::vector<CameraExit> exitsAndCrossings(const Scene& scene, uint64_t seed, Tra
   std::vector<CameraExit> exits = exitsOf(scene, distant, MAX_ACROSS, seed, counts);
   // Vertices alone would enclose a whole room with a wide window, and crossings alone may be far outside of a
   // small one.
-  std::vector<CameraExit> crossings = exits;
-  moveToCrossings(crossings, seed);
+  const std::vector<CameraExit> crossings = crossingsOf(exits, seed);
   exits.insert(exits.end(), crossings.begin(), crossings.end());
-  if (exits.size() < MIN_EXITS) exits.clear();
+  if (exits.size() < ENOUGH_POSITIONS) exits.clear();
   return exits;
 }
 

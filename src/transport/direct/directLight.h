@@ -171,4 +171,16 @@ inline LightSampleContext lightSampleContext(const LightSampler& lightSampler, c
   return lightSampleContext(lightSampler, vertex.point(), vertex.wi);
 }
 
+/** Sets the source of a contribution: light that a ray found which left by `step`. */
+inline void recordHit(PathRecorder& recorder, int step, const LightHit& found, const BsdfRay& ray) {
+  RecordedSource& s = recorder.source;
+  s = {.technique = PathTechnique::HIT, .vertex = s.vertex, .step = step};
+  s.end = found.hit ? found.hit->point.position : -found.emitted.direction;
+  s.isInfinite = !found.hit;
+  s.weight = recorded::weightOf(found.weighted, found.radiance);
+  if (!ray.weighted) return;
+  s.pdf = ray.pdf;
+  s.otherPdf = found.shadowRays;
+}
+
 } // namespace recurse

@@ -14,9 +14,8 @@ namespace {
 
 /** Sampler stream of the prior, distinct from all others. */
 constexpr uint64_t PLACE_STREAM = 0x504c41434553ull;
-/** Maximum arrivals in a cell, and arrivals that the prior by power and distance is equivalent to. */
+/** Maximum arrivals in a cell, which is as many as the prior by power and distance is equivalent to. */
 constexpr size_t MAX_ARRIVALS = 64;
-constexpr double PRIOR = 64;
 /** Fraction spread evenly over all clusters, so that rounding leaves none with probability 0. */
 constexpr double EVEN_PART = 1e-3;
 
@@ -184,7 +183,8 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
                      end = tree.clusterOf[way.where().end - 1] + 1;
         const double guessed = guesses[end] - guesses[first];
         const double prior = guessed > 0 ? (guesses[middle] - guesses[first]) / guessed : way.left();
-        return (photons[middle] - photons[first] + PRIOR * prior) / (photons[end] - photons[first] + PRIOR);
+        return (photons[middle] - photons[first] + MAX_ARRIVALS * prior) /
+               (photons[end] - photons[first] + MAX_ARRIVALS);
       },
       [&](size_t c, double probability) {
         sum += (1 - EVEN_PART) * probability + EVEN_PART / double(count);
@@ -202,7 +202,7 @@ TransportCounts LightSampler::prepare(const Scene& scene, bool withPortals) {
 
 void LightSampler::learn(const LightTable& lights, LightArrivals& arrivals) {
   std::vector<Arrivals> leaves;
-  for (size_t side = 0; side < LightArrivals::SIDES; ++side)
+  for (size_t side = 0; side < SIGNED_AXES; ++side)
     if (!arrivals.bySide[side].empty()) buildCells(arrivals.bySide[side], cells[side], leaves);
   const size_t count = tree.clusters.size();
   tables.resize((leaves.size() + 1) * count);

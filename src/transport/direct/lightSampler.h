@@ -33,12 +33,10 @@ struct LightArrivals {
     Vec3f position, normal; ///< normal: on the lit side
     uint32_t leaf;          ///< leaf of the light in LightTree
   };
-  /** Number of signed axes. Arrivals are stored by the one nearest to the normal. */
-  static constexpr size_t SIDES = 6;
   void add(const Vec3f& position, const Vec3f& normal, uint32_t leaf) {
     bySide[signedAxis(normal)].push_back({position, normal, leaf});
   }
-  std::array<std::vector<Arrival>, SIDES> bySide;
+  std::array<std::vector<Arrival>, SIGNED_AXES> bySide; ///< by the signed axis nearest to the normal
 };
 
 /** Irradiance by a light sample, in its strongest channel; 0 behind the surface or if not finite. */
@@ -110,7 +108,7 @@ class LightSampler {
 
   PortalSampler portals;
   LightTree tree;
-  std::array<std::vector<Cell>, LightArrivals::SIDES> cells;
+  std::array<std::vector<Cell>, SIGNED_AXES> cells;
   /** Cumulative probabilities of clusters, by cell; the first table is for points without photons. */
   std::vector<float> tables;
 };

@@ -3,26 +3,11 @@
  */
 #include "transport/direct/localShading.h"
 
-#include "transport/direct/recordedLight.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
 
 namespace {
-
-constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
-
-/** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, at the end of a
- * camera path in `state` that left by `step` of the record. */
-void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const CameraSubpath& path,
-                const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput, int step,
-                PathRadiance& out) {
-  forLightHits(scene, lights, hit, path.ray, ray, lightSamples, nullptr, [&](const LightHit& found) {
-    if (out.recorder) recordHit(*out.recorder, step, found, ray);
-    out.add(out.pathClasses().lightStart(found.index), state, throughput * found.weighted,
-            path.optical.at(found.beyond));
-  });
-}
 
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
 void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& context,
@@ -35,16 +20,16 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   path.ray = spawn(vertex.point(), s->direction);
   path.nesting = nesting;
   path.nesting.scatters(vertex.hit, vertex.wi, s->direction);
-  const BsdfRay ray{context, s->pdf, true};
-  const Rgb throughput = vertex.throughput * s->weight;
+  path.state = vertex.afterD;
+  path.throughput = vertex.throughput * s->weight;
   int step = CAMERA_STEP;
   if (PathRecorder* recorder = out.recorder)
     step = recorder->addStep(
-        recordedStep(recorder->source.vertex, *s, throughput, float(vertex.pdfReverse(s->direction))));
+        recordedStep(recorder->source.vertex, *s, path.throughput, float(vertex.pdfReverse(s->direction))));
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
-    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD, throughput, step, out);
+    addSeenEmission(scene, lights, path, hit, step, out, {context, s->pdf, true});
   });
 }
 
@@ -56,14 +41,18 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
   if (!vertex.isConnectable() || scene.lights().size() == 0 || !classes.isLit(vertex.afterD, false)) return;
   const LightSampleContext context = lightSampleContext(lights, vertex.point(), vertex.wi);
   addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, nesting, vertex.wi,
-                  vertex.throughput, vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, 0, sampler, out);
+                  vertex.throughput, vertex.afterD, 1, NON_DELTA_LOBES, 0, sampler, out);
   if (scene.contents().areaLights + scene.contents().environmentLights > 0)
     addBsdfRay(scene, lights, context, vertex, nesting, sampler, out);
 }
 
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
-                     const Hit* hit, int step, PathRadiance& out) {
-  addEmitted(scene, lights, hit, path, {}, 1, path.state, path.throughput, step, out);
+                     const Hit* hit, int step, PathRadiance& out, const BsdfRay& ray) {
+  forLightHits(scene, lights, hit, path.ray, ray, 1, nullptr, [&](const LightHit& found) {
+    if (out.recorder) recordHit(*out.recorder, step, found, ray);
+    out.add(out.pathClasses().lightStart(found.index), path.state, path.throughput * found.weighted,
+            path.optical.at(found.beyond));
+  });
 }
 
 } // namespace recurse

@@ -16,9 +16,10 @@ namespace recurse {
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out);
 
-/** Adds emission that the path's ray sees and no shadow ray samples, with weight 1. `hit` is the emitting
- * surface, or null where the ray left the scene. `step`: of the recorded path, by which the ray left. */
+/** Adds emission that the path's ray sees. `hit` is the emitting surface, or null where the ray left the
+ * scene. `step`: of the recorded path, by which the ray left. `ray`: MIS weights against one shadow ray;
+ * default: weight 1. */
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
-                     const Hit* hit, int step, PathRadiance& out);
+                     const Hit* hit, int step, PathRadiance& out, const BsdfRay& ray = {});
 
 } // namespace recurse

@@ -19,7 +19,6 @@ constexpr uint64_t SHADOW_PORTAL_STREAM = 0x574e44575321ull;
 PortalSampler::Opening PortalSampler::fit(std::span<const CameraExit> exits) {
   constexpr size_t CANDIDATES = 8; // quantiles of the crossings, and of the last vertices (panes)
   constexpr int HALVINGS = 6;
-  constexpr float GROWTH = 0.05f; // relative margin for open area beyond the outermost paths
   const size_t outliers = exits.size() / 100;
   Opening best;
   best.area = INFINITE;
@@ -43,7 +42,7 @@ PortalSampler::Opening PortalSampler::fit(std::span<const CameraExit> exits) {
       std::nth_element(low, high, x.end());
       opening.upper[k] = *high;
     }
-    const Vec2f more = (opening.upper - opening.lower) * GROWTH;
+    const Vec2f more = (opening.upper - opening.lower) * POSITION_MARGIN;
     opening.lower -= more;
     opening.upper += more;
     opening.area = (opening.upper.x - opening.lower.x) * (opening.upper.y - opening.lower.y);
@@ -68,7 +67,6 @@ PortalSampler::Opening PortalSampler::fit(std::span<const CameraExit> exits) {
 }
 
 void PortalSampler::divide(std::span<CameraExit> exits, const Opening& whole, int levels) {
-  constexpr size_t MIN_PATHS = 32;
   constexpr int CUTS = 8;
   constexpr float SMALLER = 0.7f; // maximum area of two openings, relative to one
   const auto splitAt = [&](int axis, int cut) {
@@ -77,13 +75,13 @@ void PortalSampler::divide(std::span<CameraExit> exits, const Opening& whole, in
                      [&](const auto& a, const auto& b) { return a.position[axis] < b.position[axis]; });
     return left;
   };
-  if (levels > 0 && exits.size() >= 2 * MIN_PATHS) {
+  if (levels > 0 && exits.size() >= ENOUGH_POSITIONS) {
     float least = INFINITE;
     int axis = 0, cut = CUTS / 2;
     for (int a = 0; a < 3; ++a)
       for (int p = 1; p < CUTS; ++p) {
         const size_t left = splitAt(a, p);
-        if (std::min(left, exits.size() - left) < MIN_PATHS) continue;
+        if (std::min(left, exits.size() - left) < ENOUGH_POSITIONS / 2) continue;
         const float area = fit(exits.first(left)).area + fit(exits.subspan(left)).area;
         if (!(area < least)) continue;
         least = area;
@@ -227,11 +225,10 @@ TransportCounts PortalSampler::learn(const Scene& scene) {
   *this = {};
   TransportCounts counts;
   if (scene.environment().empty()) return counts;
-  constexpr size_t MAX_EXITS = 512; // more do not improve a few rectangles
   std::vector<CameraExit> exits = exitCrossings(scene, SHADOW_PORTAL_STREAM, counts);
-  for (size_t i = 0; exits.size() > MAX_EXITS && i < MAX_EXITS; ++i)
-    exits[i] = exits[i * exits.size() / MAX_EXITS];
-  exits.resize(std::min(exits.size(), MAX_EXITS));
+  for (size_t i = 0; exits.size() > MANY_POSITIONS && i < MANY_POSITIONS; ++i)
+    exits[i] = exits[i * exits.size() / MANY_POSITIONS];
+  exits.resize(std::min(exits.size(), MANY_POSITIONS));
   if (!exits.empty()) divide(exits, fit(exits), LEVELS);
   if (openings.empty()) return counts;
   throughPortals = 0.5f; // mixture weight of the trial shadow rays

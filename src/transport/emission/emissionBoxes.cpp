@@ -32,30 +32,28 @@ Float8 withLane(const Float8& a, size_t lane, float value) {
 /** Vertices of camera paths of a few bounces, weighted by throughput (at most 1). */
 std::vector<WeightedPosition> cameraVertices(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   constexpr int ACROSS = 64, MAX_DEPTH = 3;
-  constexpr size_t MIN_POSITIONS = 64;
   constexpr uint64_t STREAM = 0x41494d53ull;
   std::vector<WeightedPosition> positions = collectAtCameraVertices<WeightedPosition>(
       scene, ACROSS, MAX_DEPTH, hashCombine(seed, STREAM), counts,
       [](std::vector<WeightedPosition>& found, const CameraSubpath& path, const CameraVertex& vertex) {
         found.push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
       });
-  if (positions.size() < MIN_POSITIONS) positions.clear();
+  if (positions.size() < ENOUGH_POSITIONS) positions.clear();
   return positions;
 }
 
 /** Adds boxes around positions: leaves with about equal numbers of them, and boxes around leaves. */
 void split(std::span<WeightedPosition> positions, int levels, float margin, std::vector<NestedBox>& boxes) {
-  constexpr size_t MIN_POSITIONS = 32;
   // Enclosing boxes sample the space between leaves hundreds of times as often as without them.
-  constexpr float INNER = 0.1f, GROWTH = 0.05f;
+  constexpr float INNER = 0.1f;
   Bounds3f bounds;
   float weight = 0;
   for (const WeightedPosition& p : positions) {
     bounds.add(p.position);
     weight += p.weight;
   }
-  const float more = GROWTH * glm::length(bounds.diagonal()) + margin; // a pane is flat
-  if (levels == 0 || positions.size() < 2 * MIN_POSITIONS) {
+  const float more = POSITION_MARGIN * glm::length(bounds.diagonal()) + margin; // a pane is flat
+  if (levels == 0 || positions.size() < ENOUGH_POSITIONS) {
     bounds.lower -= more;
     bounds.upper += more;
     boxes.push_back({bounds, weight});
@@ -102,13 +100,6 @@ Bounds3f BoxBlock::bounds(size_t lane) const {
   const auto i = static_cast<int>(lane);
   return {{lower[0][i], lower[1][i], lower[2][i]}, {upper[0][i], upper[1][i], upper[2][i]}};
 }
-
-Vec3f BoxBlock::center(size_t lane) const {
-  const auto i = static_cast<int>(lane);
-  return {centers[0][i], centers[1][i], centers[2][i]};
-}
-
-float BoxBlock::radius(size_t lane) const { return std::sqrt(radii2[static_cast<int>(lane)]); }
 
 BoxBlock::Line::Line(const Light& light, const LeRay& ray, float lightDensity)
     : origin(ray.origin), direction(ray.direction), inverse(Vec3f(1) / ray.direction),

@@ -20,8 +20,8 @@ class BoxBlock {
   void set(size_t lane, const Bounds3f& bounds);
   Bounds3f bounds(size_t lane) const;
   /** Bounding sphere of a box [scene units]. */
-  Vec3f center(size_t lane) const;
-  float radius(size_t lane) const;
+  Vec3f center(size_t lane) const { return bounds(lane).center(); }
+  float radius(size_t lane) const { return glm::length(bounds(lane).diagonal()) / 2; }
   /** Emitted ray whose densities are asked for. `lightDensity`: density by the light's own sampling. */
   struct Line {
     Line(const Light& light, const LeRay& ray, float lightDensity);

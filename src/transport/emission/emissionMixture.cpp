@@ -189,13 +189,13 @@ void EmissionMixture::adapt(const Moments& moments) {
     all += totals[g];
   }
   if (!(all > 0)) return;
-  constexpr float LEARNED = 1 - UNLEARNED;
   for (size_t g = 0; g < groups.size(); ++g) {
     Group& group = groups[g];
-    group.probability = UNLEARNED * group.firstProbability + LEARNED * static_cast<float>(totals[g] / all);
+    group.probability =
+        UNLEARNED * group.firstProbability + (1 - UNLEARNED) * static_cast<float>(totals[g] / all);
     if (!(totals[g] > 0)) continue;
     const auto learnedProbability = [&](size_t i) {
-      return LEARNED * static_cast<float>(learned[g][i] / totals[g]);
+      return (1 - UNLEARNED) * static_cast<float>(learned[g][i] / totals[g]);
     };
     group.lightSamplingProbability = UNLEARNED * OWN_PART + learnedProbability(0);
     for (size_t i = 0; i < group.chances.size(); ++i)

@@ -23,31 +23,31 @@ float EmissionSampler::partOfMedia() const {
   return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
 }
 
-bool EmissionSampler::start(float time, Sampler& sampler, LightStart& start) const {
-  start = {};
+std::optional<LightStart> EmissionSampler::start(float time, Sampler& sampler) const {
+  LightStart start;
   const bool byMedium = mediaPart > 0 && (mediaPart >= 1 || sampler.next1D() < mediaPart);
   if (byMedium)
     fromMedium(time, sampler, start);
   else if (!fromLight(time, sampler, start))
-    return false;
+    return {};
   LightSubpath& path = start.path;
   path.throughput /= byMedium ? mediaPart : 1 - mediaPart;
   if (!isFinite(path.throughput)) {
     ++counts.nonFinite;
-    return false;
+    return {};
   }
-  if (isBlack(path.throughput) || classes.dead(path.state)) return false;
+  if (isBlack(path.throughput) || classes.dead(path.state)) return {};
   path.from = path.ray.origin;
   const bool isInfinite = start.end.light && start.end.isInfinite();
   if (!byMedium) path.nesting = nestingAt(scene, path.ray, counts);
   path.optical = opticalStart(scene, classes, path.ray, path.nesting, isInfinite, counts);
-  if (!scene.hasMedia()) return true;
+  if (!scene.hasMedia()) return start;
   if (!byMedium) {
     const uint16_t declared = isInfinite ? settings.outside : scene.lightMedium(start.end.index);
     path.nesting.startIn(declared ? declared : mediumAround(scene, path.ray, 0, counts));
   }
   path.hero = drawHero(sampler.next1D());
-  return true;
+  return start;
 }
 
 void EmissionSampler::fromMedium(float time, Sampler& sampler, LightStart& start) const {
@@ -95,16 +95,6 @@ bool EmissionSampler::fromLight(float time, Sampler& sampler, LightStart& start)
   if (path.parallel) path.throughput *= settings.outsideTransmittance;
   if (light.kind() == LightKind::AREA) path.cosine = absDot(emission->direction, emission->normal);
   return true;
-}
-
-std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts,
-                                            const EmissionMixture* mixture) {
-  EmissionSettings settings;
-  settings.mixture = mixture;
-  LightStart start;
-  if (!EmissionSampler(scene, classes, settings, counts).start(time, sampler, start)) return {};
-  return start;
 }
 
 } // namespace recurse

@@ -28,9 +28,9 @@ class EmissionSampler {
                   TransportCounts& counts)
       : scene(scene), classes(classes), settings(settings), counts(counts), mediaPart(partOfMedia()) {}
 
-  /** Starts a path from a light or an emissive medium. Returns false if the sample has no flux, or no path
-   * class can use it; `start` is then invalid. */
-  bool start(float time, Sampler& sampler, LightStart& start) const;
+  /** Starts a path from a light or an emissive medium; nullopt if the sample has no flux, or no path class
+   * can use it. */
+  std::optional<LightStart> start(float time, Sampler& sampler) const;
 
  private:
   bool fromLight(float time, Sampler& sampler, LightStart& start) const;
@@ -46,9 +46,11 @@ class EmissionSampler {
 
 /** Samples the start of one light path by the lights' own sampling, or by a mixture; empty where nothing is
  * emitted. Emissive media start no paths here. */
-std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts,
-                                            const EmissionMixture* mixture = nullptr);
+inline std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
+                                                   Sampler& sampler, TransportCounts& counts,
+                                                   const EmissionMixture* mixture = nullptr) {
+  return EmissionSampler(scene, classes, {.mixture = mixture}, counts).start(time, sampler);
+}
 
 /** Sampler stream of light paths, distinct from the streams of pixels. */
 constexpr uint64_t LIGHT_PATH_STREAM = 0x4c49474854504154ull;

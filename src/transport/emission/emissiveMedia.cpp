@@ -131,7 +131,7 @@ Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& 
 std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, const Bounds3f& box,
                                          uint64_t seed, float time, TransportCounts& counts) const {
   constexpr uint32_t PROBES = 4; // probes of a cell
-  std::vector<double> cells(CELL_COUNT);
+  std::vector<double> cells(size_t(CELLS) * CELLS * CELLS);
   std::vector<TransportCounts> spent(CELLS);
   parallelFor(CELLS, [&](size_t z) {
     for (size_t i = z * CELLS * CELLS; i < (z + 1) * CELLS * CELLS; ++i)
@@ -186,7 +186,7 @@ bool EmissiveMedia::learn(const Scene& scene, uint16_t around, uint64_t seed, fl
     all = all && sum > 0;
     if (!(sum > 0)) continue;
     for (double& c : source.cumulative) c /= sum;
-    source.powers = power() + sum * volumeOf(source.probed) / double(CELL_COUNT);
+    source.powers = power() + sum * volumeOf(source.probed) / double(cells.size());
     sources.push_back(std::move(source));
   }
   return all;
@@ -218,7 +218,8 @@ EmissiveMedia::Sample EmissiveMedia::sample(const Scene& scene, float time, floa
   if (glm::all(glm::greaterThanEqual(cell, Vec3f(0))) && glm::all(glm::lessThan(cell, Vec3f(CELLS)))) {
     const auto i = (size_t(cell.z) * CELLS + size_t(cell.y)) * CELLS + size_t(cell.x);
     const double probability = source->cumulative[i] - (i > 0 ? source->cumulative[i - 1] : 0);
-    density += (1 - double(EVEN_PART)) * probability * double(CELL_COUNT) / volumeOf(source->probed);
+    density +=
+        (1 - double(EVEN_PART)) * probability * double(source->cumulative.size()) / volumeOf(source->probed);
   }
   sample.power *= static_cast<float>(1 / (density * chance));
   return sample;

@@ -43,7 +43,6 @@ class EmissiveMedia {
 
  private:
   static constexpr int CELLS = 32; ///< cells along an axis
-  static constexpr size_t CELL_COUNT = size_t(CELLS) * CELLS * CELLS;
   static constexpr float EVEN_PART = 0.1f;
 
   struct Source {

@@ -7,10 +7,6 @@
 
 namespace recurse {
 
-bool LightEnd::isInfinite() const { return light->isInfinite(); }
-
-bool LightEnd::isIntersectable() const { return light->isIntersectable(); }
-
 LightGeometry LightEnd::geometry() const {
   if (light->isDelta()) return LightGeometry::DELTA;
   return isInfinite() ? LightGeometry::INFINITE : LightGeometry::SURFACE;
@@ -39,8 +35,9 @@ double directionToEnd(const LightEnd& end, const Vec3f& from) {
   return double(absDot(end.ray.direction, end.ray.normal)) * inverseDistance2(end.ray.origin, from);
 }
 
-double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
-                    const LightEnd& end) {
+/** Density with which a shadow ray from x_k-1 chooses the end, in the measure of B_k. */
+static double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
+                           const LightEnd& end) {
   const auto pick = double(lights.probability(scene.lights(), from, end.index));
   switch (end.light->kind()) {
   case LightKind::AREA: {

@@ -20,9 +20,9 @@ struct LightEnd {
   double pdf = 0;               ///< B_k; a delta counts as 1
   double pdfNext = 0;           ///< B_k-1 [1/area]
 
-  bool isInfinite() const;
+  bool isInfinite() const { return light->isInfinite(); }
   /** Whether rays can hit the light. */
-  bool isIntersectable() const;
+  bool isIntersectable() const { return light->isIntersectable(); }
   LightGeometry geometry() const;
 };
 
@@ -33,10 +33,6 @@ LightEnd lightEnd(const Scene& scene, const EmissionSettings& emission, uint32_t
 
 /** Factor from a density of directions at `from` to the density of the end: 1 unless it is an area light. */
 double directionToEnd(const LightEnd& end, const Vec3f& from);
-
-/** Density with which a shadow ray from x_k-1 chooses the end, in the measure of B_k. */
-double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
-                    const LightEnd& end);
 
 /** Origin x_j of the shadow ray that samples a path's light, straight through thin panes if there are any. */
 struct ShadowRayStart {

@@ -81,13 +81,6 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
   return all;
 }
 
-/** Number of photons in a round of trials: at most the photons of one pass, so that learning never costs many
- * times as much as its use. */
-uint64_t trialPhotons(const ShootSettings& settings) {
-  constexpr uint64_t TRIALS = 8 * PHOTON_BATCH;
-  return std::min(TRIALS, settings.photons);
-}
-
 } // namespace
 
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
@@ -99,7 +92,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   if (mixes) guidance.emission = EmissionMixture(scene, seed, counts);
   ShootSettings trial = settings;
   trial.emission.mixture = &guidance.emission;
-  trial.photons = trialPhotons(settings);
+  // At most the photons of one pass, so that learning never costs many times as much as its use.
+  trial.photons = std::min(8 * PHOTON_BATCH, settings.photons);
   for (int round = guidance.emission.active() ? 1 : ROUNDS; round <= ROUNDS && !control.stopped(); ++round) {
     const Trials trials = shootTrials(scene, classes, hashCombine(seed, uint64_t(round)), trial, region);
     counts.add(trials.counts);

@@ -38,15 +38,16 @@ class PhotonWalk {
 
   /** Shoots one photon. Returns its start; null where nothing is emitted. */
   const LightStart* shoot(Sampler sampler, float time) {
-    if (!starts.start(time, sampler, origin)) return nullptr;
-    storesDirect = settings.direct || !origin.end.light;
+    origin = starts.start(time, sampler);
+    if (!origin) return nullptr;
+    storesDirect = settings.direct || !origin->end.light;
     PhotonPath photon;
-    photon.path = origin.path;
+    photon.path = origin->path;
     const auto photons = static_cast<float>(settings.photons);
     photon.path.throughput /= photons;
     splitPower = std::max(settings.splitPower / photons, maxComponent(photon.path.throughput) / MAX_SPLIT);
-    if (origin.end.light && origin.end.isIntersectable())
-      photon.ratio = ReverseRatio::atLight(origin.end.ray, origin.pdf, origin.probability);
+    if (origin->end.light && origin->end.isIntersectable())
+      photon.ratio = ReverseRatio::atLight(origin->end.ray, origin->pdf, origin->probability);
     photon.record = RecordedWalk(record, 1);
     photon.record.start(photon.path);
     walk(photon, sampler);
@@ -55,7 +56,7 @@ class PhotonWalk {
       waiting.pop_back();
       walk(next, ownSampler);
     }
-    return &origin;
+    return &*origin;
   }
 
   std::vector<RecordedLightVertex>* record = nullptr; ///< of the next photons; null: they are not recorded
@@ -109,12 +110,12 @@ class PhotonWalk {
   /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
    * photon carries the flux of all, since they would follow the same path. */
   void split(PhotonPath& photon, Sampler& sampler) {
-    constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
+    constexpr uint32_t SPLIT_STREAM = 2000; // number of the fork, unused by other forks of the sampler
     const int count = splitCount(photon.path.throughput, vertex.point().position);
     if (count == 1) return;
     const float fraction = 1 / static_cast<float>(count);
     const auto branch = [&](PhotonPath copy, int i, float keptFraction) {
-      Sampler branchSampler = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      Sampler branchSampler = sampler.fork(SPLIT_STREAM + static_cast<uint32_t>(i));
       if (scatter(copy, branchSampler, keptFraction)) waiting.emplace_back(copy, branchSampler);
     };
     const LobeSet allowed = vertex.allowed;
@@ -137,17 +138,17 @@ class PhotonWalk {
     const ScatteringPoint& scattering = *vertex.scattering;
     const SurfacePoint& point = vertex.point();
     // keepsPhotons() is false for fibres: photons and rays would need the same normal on a curve.
-    if (!settings.shadowRays || !origin.end.light || !scattering.keepsPhotons()) return {};
+    if (!settings.shadowRays || !origin->end.light || !scattering.keepsPhotons()) return {};
     const float pdf = scattering.pdfNonDelta(vertex.wi, direction);
     if (vertex.depth > 1)
       return before.furtherOn(scattering.pdfNonDelta(direction, vertex.wi), pdf, direction, point);
     const LightSampler& sampler = *settings.shadowRays;
-    const LightEnd& end = origin.end;
+    const LightEnd& end = origin->end;
     const float chosen =
         sampler.probability(scene.lights(), lightSampleContext(sampler, point, direction), end.index);
     const float arrivals =
-        arrivalDensity(end.light->kind(), origin.pdf, glm::distance(end.ray.origin, point.position),
-                       absDot(vertex.wi, point.geometricNormal), origin.probability, chosen);
+        arrivalDensity(end.light->kind(), origin->pdf, glm::distance(end.ray.origin, point.position),
+                       absDot(vertex.wi, point.geometricNormal), origin->probability, chosen);
     return ReverseRatio::atSurface(arrivals, pdf, direction, point);
   }
 
@@ -160,7 +161,7 @@ class PhotonWalk {
     p->caustic = photon.caustic;
     p->reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(*p);
-    if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.path.optical.length);
+    if (classes.isTransient()) out.lengths.push_back(photon.path.optical.length);
     return true;
   }
 
@@ -172,8 +173,8 @@ class PhotonWalk {
         (storedFraction < 1 && sampler.next1D() >= storedFraction))
       return false;
     out.inMedia.push_back({vertex.point().position, packDirection(-vertex.wi),
-                           vertex.throughput / storedFraction, number, vertex.state.byte});
-    if (classes.isTransient()) out.lengths.inMedia.push_back(photon.path.optical.length);
+                           vertex.throughput / storedFraction, number, vertex.state.byte,
+                           photon.path.optical.length});
     return true;
   }
 
@@ -189,8 +190,7 @@ class PhotonWalk {
     const float distance =
         flight::sampleDistance(thinnest(scene.medium(number)->at(path.ray.origin).extinction()), sampler);
     out.beams.push_back({path.ray.origin, path.ray.direction, std::min(end, distance),
-                         path.throughput / storedFraction, number, path.state.byte});
-    if (classes.isTransient()) out.lengths.beams.push_back(path.optical.length);
+                         path.throughput / storedFraction, number, path.state.byte, path.optical.length});
   }
 
   const Scene& scene;
@@ -200,9 +200,9 @@ class PhotonWalk {
   std::vector<std::pair<PhotonPath, Sampler>> waiting;
   EmissionSampler starts;
   Walker<LightState> walker;
-  LightStart origin;        ///< of the current photon
-  LightVertex vertex;       ///< latest vertex of the current photon
-  bool storesDirect = true; ///< see ShootSettings::direct
+  std::optional<LightStart> origin; ///< of the current photon
+  LightVertex vertex;               ///< latest vertex of the current photon
+  bool storesDirect = true;         ///< see ShootSettings::direct
   /** Maximum number of photons that one emitted photon is split into, at all its surfaces together. */
   static constexpr float MAX_SPLIT = 256;
   float splitPower = INFINITE; ///< approximate power of each photon that the current one is split into [W]

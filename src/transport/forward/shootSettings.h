@@ -29,14 +29,12 @@ struct KeptInMedia {
  * of photons emitted. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
+  std::vector<float> lengths; ///< optical lengths of the paths of `onSurfaces`; empty unless transient
   std::vector<VolumePhoton> inMedia;
   std::vector<PhotonBeam> beams;
-  PhotonPathLengths lengths;
 
   size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
-  auto lists() {
-    return std::tie(onSurfaces, inMedia, beams, lengths.onSurfaces, lengths.inMedia, lengths.beams);
-  }
+  auto lists() { return std::tie(onSurfaces, lengths, inMedia, beams); }
   void clear() {
     std::apply([](auto&... list) { (list.clear(), ...); }, lists());
   }

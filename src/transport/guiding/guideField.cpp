@@ -15,12 +15,10 @@ namespace recurse {
 
 namespace {
 
-constexpr size_t BUCKETS = 7, IN_MEDIUM = 6;
 constexpr int MAX_CELL_DEPTH = 24;
-constexpr float UNIFORM = INV_PI / 4; ///< density over the whole sphere [1/sr]
 
-/** Index of the signed axis nearest to a normal; IN_MEDIUM for normal 0. */
-size_t bucketOf(const Vec3f& normal) { return normal == Vec3f(0) ? IN_MEDIUM : signedAxis(normal); }
+/** Index of the signed axis nearest to a normal; one more for normal 0, in a medium. */
+size_t bucketOf(const Vec3f& normal) { return normal == Vec3f(0) ? SIGNED_AXES : signedAxis(normal); }
 
 /** Learns one cell from its records. */
 class CellFit {
@@ -39,7 +37,7 @@ class CellFit {
     Vec3f sum(0);
     for (const GuideRecord& r : records) sum += r.normal;
     // Each normal is within 55 degrees of the bucket's axis.
-    if (bucketOf(local.front().normal) != IN_MEDIUM) frame = Frame(glm::normalize(sum));
+    if (local.front().normal != Vec3f(0)) frame = Frame(glm::normalize(sum));
   }
 
   /** Effective number of records. */
@@ -118,7 +116,7 @@ class CellFit {
 } // namespace
 
 float GuideCell::pdf(const Vec3f& direction) const {
-  if (!frame) return tree.pdf(squareOfDirection(direction)) * UNIFORM;
+  if (!frame) return tree.pdf(squareOfDirection(direction)) * (INV_PI / 4);
   const Vec3f local = frame->toLocal(direction);
   return local.z > 0 ? tree.pdf(squareOfDisk({local.x, local.y})) * local.z * INV_PI : 0;
 }
@@ -126,7 +124,7 @@ float GuideCell::pdf(const Vec3f& direction) const {
 Vec3f GuideCell::sample(Vec2f u, float& density) const {
   const Vec2f point = tree.sample(u, density);
   if (!frame) {
-    density *= UNIFORM;
+    density *= INV_PI / 4;
     return directionOfSquare(point);
   }
   const Vec3f local = cosineHemisphere(point);
@@ -161,7 +159,7 @@ void GuideField::divide(std::span<uint32_t> order, std::span<const GuideRecord> 
 }
 
 void GuideField::build(std::span<const GuideRecord> records, float smallest) {
-  nodes.assign(BUCKETS, {});
+  nodes.assign(SIGNED_AXES + 1, {});
   cells.clear();
   std::vector<uint32_t> order(records.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -170,7 +168,7 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
   });
   std::vector<std::span<uint32_t>> leaves;
   auto first = order.begin();
-  for (size_t bucket = 0; bucket < BUCKETS; ++bucket) {
+  for (size_t bucket = 0; bucket <= SIGNED_AXES; ++bucket) {
     const auto end =
         std::find_if(first, order.end(), [&](uint32_t i) { return bucketOf(records[i].normal) != bucket; });
     divide({first, end}, records, static_cast<uint32_t>(bucket), smallest, 0, leaves);

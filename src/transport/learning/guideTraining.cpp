@@ -8,7 +8,7 @@
 #include "transport/direct/cameraPaths.h"
 #include "transport/direct/directLight.h"
 #include "transport/forward/photonGuidance.h"
-#include "transport/learning/photonRecords.h"
+#include "transport/forward/shoot.h"
 
 namespace recurse {
 
@@ -102,6 +102,39 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 
 } // namespace
 
+std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, const ShootSettings& shoot,
+                                       const ForwardControl& control, TransportCounts& counts) {
+  const PathClasses allPaths;
+  ForwardControl local;
+  local.stop = control.stop;
+  const ShotPhotons shot = shootPhotons(scene, allPaths, pass, shoot, local);
+  counts.add(shot.counts);
+  std::vector<GuideRecord> records;
+  for (const Photon& p : shot.onSurfaces) {
+    // reverseRatio 0: no ray can hit this light; skip its caustic photons.
+    if (p.caustic && !(p.reverseRatio > 0)) continue;
+    GuideRecord r;
+    r.position = p.position;
+    r.normal = unpackDirection(p.normal);
+    r.direction = unpackDirection(p.direction);
+    r.value = luminance(p.power);
+    // A diffuse BSDF stands in for the unknown one.
+    r.pdfBsdf = glm::dot(r.direction, r.normal) * INV_PI;
+    r.fromPhoton = true;
+    if (r.value > 0 && std::isfinite(r.value) && r.pdfBsdf > 0) records.push_back(r);
+  }
+  for (const VolumePhoton& p : shot.inMedia) {
+    GuideRecord r;
+    r.position = p.position;
+    r.direction = -unpackDirection(p.direction);
+    r.value = luminance(p.power);
+    r.pdfBsdf = INV_PI / 4; // an isotropic phase function stands in
+    r.fromPhoton = true;
+    if (r.value > 0 && std::isfinite(r.value)) records.push_back(r);
+  }
+  return records;
+}
+
 std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const Pass& pass, double count,
                                                        const ForwardControl& control,
                                                        TransportCounts& counts) {
@@ -121,7 +154,6 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
                             const ForwardControl& control, TransportCounts& counts) {
   constexpr uint64_t STREAM = 0x6775696465ull;
   constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
-  constexpr double PHOTONS = 1;                        // photons for each camera path
   constexpr size_t MAX_RECORDS = 200'000;              // 10 MB; more records improve no scene tried
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
   if (pass.index == 0) {
@@ -139,7 +171,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     training.index = static_cast<uint32_t>(stage + 1);
     training.seed = hashCombine(pass.seed, STREAM + training.index);
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
-    const Records photons = photonsOfStage(scene, training, PHOTONS * paths, control, counts);
+    const Records photons = photonsOfStage(scene, training, paths, control, counts);
     GuideField byPhotons;
     if (stage < 0) byPhotons.build(photons, smallest);
     const auto resolution = static_cast<int>(std::sqrt(paths));

@@ -7,10 +7,20 @@
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
 #include "transport/emission/emissionMixture.h"
+#include "transport/forward/shootSettings.h"
 #include "transport/guiding/guideField.h"
 #include "transport/paths/pathVertex.h"
 
 namespace recurse {
+
+/**
+ * Records of the photons of `pass` that rays of camera paths find better than shadow rays: all indirect
+ * light, and caustics where a ray can hit their light. The flux that arrives in a cell
+ * from a bin of directions is the integral of L cos over both, so that fluxes are the masses of a density
+ * proportional to L cos. `shoot` says how many photons start, and where.
+ */
+std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, const ShootSettings& shoot,
+                                       const ForwardControl& control, TransportCounts& counts);
 
 struct GuideTrainingSettings {
   int maxDepth = -1;    ///< maximum scattering events of a path; -1: no limit

@@ -110,7 +110,7 @@ TransportCounts learnLights(const Scene& scene, LightSampler& lights, bool withP
                         LOOK_STREAM, counts, LightArrivals(), follow);
   LightArrivals all;
   const auto append = [&](const LightArrivals& some) {
-    for (size_t side = 0; side < LightArrivals::SIDES; ++side)
+    for (size_t side = 0; side < SIGNED_AXES; ++side)
       all.bySide[side].insert(all.bySide[side].end(), some.bySide[side].begin(), some.bySide[side].end());
   };
   for (const LightArrivals& some : seen) append(some);

@@ -19,13 +19,11 @@ float spacingIn(const Bounds3f& box, double length) {
 
 } // namespace
 
-void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest,
-                          std::vector<float> pathLengths) {
+void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest) {
   constexpr float RADIUS = 0.25f;       // radius over the spacing
   constexpr float PIECE = 4;            // length of a piece over the spacing
   constexpr double MAX_MEAN_PIECES = 8; // maximum mean number of pieces of a beam
   beams = std::move(all);
-  lengths = std::move(pathLengths);
   Bounds3f box;
   double length = 0;
   for (const PhotonBeam& b : beams) {

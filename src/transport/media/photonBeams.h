@@ -20,6 +20,7 @@ struct PhotonBeam {
   Rgb power{0};          ///< flux at the origin [W]
   uint16_t medium = 0;   ///< index of the medium in the scene
   uint8_t pathState = 0; ///< LightState of the flight
+  float pathLength = 0;  ///< optical length from the light to the origin [scene units], in transient renders
 };
 
 /** Extinction of the thinnest channel, which draws the length of a beam [1/length]. */
@@ -31,18 +32,11 @@ inline float thinnest(const Rgb& extinction) {
 class PhotonBeamMap {
  public:
   /** Builds the map. `scale`: factor on the radii that the beams' density calls for; `widest`: their maximum
-   * before scaling [scene units]. `pathLengths`: see pathLength(), or empty. Independent of the number of
-   * threads. */
-  void build(std::vector<PhotonBeam> beams, float scale, float widest, std::vector<float> pathLengths = {});
+   * before scaling [scene units]. Independent of the number of threads. */
+  void build(std::vector<PhotonBeam> beams, float scale, float widest);
   size_t size() const { return beams.size(); }
-  /** Optical length up to the origin of a beam of this map [scene units]; 0 unless the render is
-   * transient. */
-  float pathLength(const PhotonBeam& beam) const {
-    return lengths.empty() ? 0 : lengths[static_cast<size_t>(&beam - beams.data())];
-  }
   size_t memoryBytes() const {
-    return beams.capacity() * sizeof(PhotonBeam) + pieces.capacity() * sizeof(Piece) +
-           lengths.capacity() * sizeof(float) + tree.memoryBytes();
+    return beams.capacity() * sizeof(PhotonBeam) + pieces.capacity() * sizeof(Piece) + tree.memoryBytes();
   }
 
   /** Calls visit(beam, s, t, kernel) for each beam whose distance from the ray of unit direction is less than
@@ -74,7 +68,6 @@ class PhotonBeamMap {
     float begin, end, radius;
   };
   std::vector<PhotonBeam> beams;
-  std::vector<float> lengths; ///< see pathLength()
   std::vector<Piece> pieces;
   BoxPyramid tree;
 };

@@ -106,28 +106,11 @@ void VolumePhotonMap::findBounds(const Scene& scene, float time, TransportCounts
   }
 }
 
-void VolumePhotonMap::sortByPosition(const std::vector<float>& pathLengths) {
-  lengths.clear();
-  if (pathLengths.empty()) {
-    tree.sort(photons, [](const VolumePhoton& p) { return p.position; });
-    return;
-  }
-  std::vector<std::pair<VolumePhoton, float>> both;
-  both.reserve(photons.size());
-  for (size_t i = 0; i < photons.size(); ++i) both.emplace_back(photons[i], pathLengths[i]);
-  tree.sort(both, [](const auto& p) { return p.first.position; });
-  for (size_t i = 0; i < photons.size(); ++i) {
-    photons[i] = both[i].first;
-    lengths.push_back(both[i].second);
-  }
-}
-
-void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float widest,
-                            const std::vector<float>& pathLengths) {
+void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float widest) {
   photons = std::move(all);
   boundsOf.clear();
   bounds.clear();
-  sortByPosition(pathLengths);
+  tree.sort(photons, [](const VolumePhoton& p) { return p.position; });
   radii.resize(photons.size());
   tree.forParts([&](size_t first, size_t end) {
     Bounds3f box;

@@ -23,6 +23,7 @@ struct VolumePhoton {
   Rgb power;                 ///< flux that is scattered, without the absorbed part [W]
   uint16_t medium = 0;       ///< index of the medium in the scene
   uint8_t pathState = 0;     ///< LightState after the events before this one
+  float pathLength = 0;      ///< optical length from the light [scene units], in transient renders
 };
 
 /** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
@@ -59,22 +60,15 @@ class DiscBounds {
 class VolumePhotonMap {
  public:
   /** Builds the map. `scale`: factor on the radii that the photons' density calls for; `widest`: their
-   * maximum before scaling [scene units]. `pathLengths`: optical lengths of the photons' paths for transient
-   * renders, else empty. Independent of the number of threads. */
-  void build(std::vector<VolumePhoton> photons, float scale, float widest,
-             const std::vector<float>& pathLengths = {});
+   * maximum before scaling [scene units]. Independent of the number of threads. */
+  void build(std::vector<VolumePhoton> photons, float scale, float widest);
   /** Finds surfaces within the radii. The part of a disc beyond them is cut off, and the kernel is
    * renormalised on the remaining part. */
   void findBounds(const Scene& scene, float time, TransportCounts& counts);
   size_t size() const { return photons.size(); }
-  /** Optical length up to a photon of this map [scene units]; 0 unless the render is transient. */
-  float pathLength(const VolumePhoton& photon) const {
-    return lengths.empty() ? 0 : lengths[static_cast<size_t>(&photon - photons.data())];
-  }
   size_t memoryBytes() const {
-    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) +
-           lengths.capacity() * sizeof(float) + tree.memoryBytes() + boundsOf.capacity() * sizeof(uint32_t) +
-           bounds.capacity() * sizeof(DiscBounds);
+    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) + tree.memoryBytes() +
+           boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
   }
 
   /** Calls visit(photon, depth, kernel) for each photon whose disc the ray of unit direction crosses between
@@ -101,13 +95,9 @@ class VolumePhotonMap {
   }
 
  private:
-  /** Reorders photons and path lengths to the tree's order. */
-  void sortByPosition(const std::vector<float>& pathLengths);
-
   BoxPyramid tree; ///< tree of the discs
   std::vector<VolumePhoton> photons;
   std::vector<float> radii;
-  std::vector<float> lengths; ///< see pathLength()
   static constexpr uint32_t NO_BOUNDS = UINT32_MAX;
   std::vector<uint32_t> boundsOf; ///< index into `bounds` by photon; empty if bounds are unused
   std::vector<DiscBounds> bounds;

@@ -20,15 +20,6 @@
 
 namespace recurse {
 
-/** Transport quantity of a walk: radiance from the camera, flux from a light. */
-template <class State> struct WalkSide;
-template <> struct WalkSide<CameraState> {
-  static constexpr Transport TRANSPORT = Transport::RADIANCE, REVERSE = Transport::FLUX;
-};
-template <> struct WalkSide<LightState> {
-  static constexpr Transport TRANSPORT = Transport::FLUX, REVERSE = Transport::RADIANCE;
-};
-
 /** Subpath between two vertices: it has left a vertex, and its ray is about to find the next one. Its
  * throughput is importance or flux, over the density of all sampling decisions. */
 template <class State> struct Subpath : SpectralPath {
@@ -79,13 +70,13 @@ template <class State> struct PathVertex {
   /** Density with which the walk continues towards unit `wo` by a non-delta lobe, with all lobes allowed
    * [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
   double pdfDirection(const Vec3f& wo) const {
-    if (!medium) return double(scattering->pdf(wi, wo, ALL_LOBES, WalkSide<State>::TRANSPORT));
+    if (!medium) return double(scattering->pdf(wi, wo));
     return double(guide ? guide->mixturePdf(phase(wo), wo) : phase(wo));
   }
   /** Density with which a walk from the other end that arrives from unit `wo` continues towards the previous
    * vertex [1/sr]. */
   double pdfReverse(const Vec3f& wo) const {
-    return double(medium ? phase(wo) : scattering->pdf(wo, wi, ALL_LOBES, WalkSide<State>::REVERSE));
+    return double(medium ? phase(wo) : scattering->pdf(wo, wi, ALL_LOBES, Transport::FLUX));
   }
   /** Density per area with which such a walk samples the previous vertex. */
   double pdfPrevious(const Vec3f& wo) const { return pdfReverse(wo) * toPrevious; }
@@ -98,8 +89,7 @@ using LightSubpath = Subpath<LightState>;
 
 /** Inverse squared distance of two points [1/length²]; finite for equal points. */
 inline double inverseDistance2(const Vec3f& a, const Vec3f& b) {
-  constexpr double LEAST = std::numeric_limits<float>::min();
-  return 1 / std::max(double(lengthSquared(a - b)), LEAST);
+  return 1 / std::max(double(lengthSquared(a - b)), double(std::numeric_limits<float>::min()));
 }
 
 /** Factor from density per solid angle in unit `direction` at `from` to density per area at `to`. */

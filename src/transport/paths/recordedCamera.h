@@ -5,6 +5,7 @@
 
 #include "recurse/transport/integrator/pathRecorder.h"
 #include "transport/paths/pathVertex.h"
+#include "transport/paths/recordedSample.h"
 
 namespace recurse {
 
@@ -16,22 +17,31 @@ class RecordedCameraPath {
 
   /** Adds a vertex; light samples and merges that follow belong to it. */
   void arrive(const CameraVertex& vertex) {
-    if (recorder) [[unlikely]]
-      addVertex(vertex);
+    if (!recorder) [[likely]]
+      return;
+    if (vertex.medium)
+      lastVertex = recorder->addVertex({.step = lastStep,
+                                        .position = vertex.point().position,
+                                        .inMedium = true,
+                                        .throughput = vertex.throughput});
+    else
+      lastVertex = recorder->addVertex(lastStep, vertex.hit, -vertex.wi, vertex.scattering->lobes(),
+                                       vertex.throughput);
   }
   /** Adds the step from the latest vertex. `throughput`: after the event. */
   void leave(const CameraVertex& vertex, const Scatter& s, const Rgb& throughput) {
-    if (recorder) [[unlikely]]
-      addStep(vertex, s, throughput);
+    if (!recorder) [[likely]]
+      return;
+    RecordedStep step =
+        recordedStep(lastVertex, s, throughput, static_cast<float>(vertex.pdfReverse(s.direction)));
+    if (vertex.medium) step.event = PathEvent::V;
+    lastStep = recorder->addStep(step);
   }
 
   int vertex() const { return lastVertex; }
   int step() const { return lastStep; }
 
  private:
-  void addVertex(const CameraVertex& vertex);
-  void addStep(const CameraVertex& vertex, const Scatter& s, const Rgb& throughput);
-
   PathRecorder* recorder;
   int lastVertex = NOT_RECORDED, lastStep = CAMERA_STEP;
 };

@@ -9,13 +9,11 @@
 
 namespace recurse {
 
-/** Light path of a Walker. Does nothing if its path is not recorded. */
+/** Light path of a Walker. Copies record branches of the path. Does nothing if its path is not recorded. */
 class RecordedWalk {
  public:
   /** `list`: null if nothing is recorded; `scale`: factor from throughputs to recorded fluxes. */
-  RecordedWalk(std::vector<RecordedLightVertex>* list, float scale) : scale(scale) {
-    if (list) end = RecordedLightPath(*list);
-  }
+  RecordedWalk(std::vector<RecordedLightVertex>* list, float scale) : list(list), scale(scale) {}
 
   /** Light path with this number; `recorder` may be null. */
   RecordedWalk(LightPathRecorder* recorder, uint64_t number, float scale)
@@ -23,8 +21,7 @@ class RecordedWalk {
 
   void start(const LightSubpath& path) {
     add(LightVertexKind::START, path, path.ray.origin, path.throughput);
-    if (!end || path.parallel) return;
-    pdf = static_cast<float>(path.pdf);
+    if (!path.parallel) pdf = static_cast<float>(path.pdf);
   }
   /** Adds a vertex on arrival, before the walk scatters there. */
   void arrive(const LightSubpath& path, const LightVertex& vertex, bool stored) {
@@ -33,7 +30,7 @@ class RecordedWalk {
   }
   /** Notes the event by which the walk leaves the latest vertex. */
   void leave(const LightVertex& vertex, const Scatter& s) {
-    if (!end) [[likely]]
+    if (!list) [[likely]]
       return;
     lobe = s.lobe;
     pdf = s.specular() ? 0 : s.pdf;
@@ -49,12 +46,14 @@ class RecordedWalk {
  private:
   void add(LightVertexKind kind, const LightSubpath& path, const Vec3f& position, const Rgb& flux,
            bool stored = false, const LightVertex* at = nullptr) {
-    if (!end) [[likely]]
+    if (!list) [[likely]]
       return;
-    RecordedLightVertex v{.kind = kind,
-                          .event = path.delta         ? PathEvent::S
-                                   : end.isInMedium() ? PathEvent::V
-                                                      : PathEvent::D,
+    const bool fromMedium = last != NOT_RECORDED && (*list)[size_t(last)].kind == LightVertexKind::MEDIUM;
+    RecordedLightVertex v{.previous = last,
+                          .kind = kind,
+                          .event = path.delta   ? PathEvent::S
+                                   : fromMedium ? PathEvent::V
+                                                : PathEvent::D,
                           .position = position,
                           .flux = flux * scale,
                           .state = path.state,
@@ -67,11 +66,13 @@ class RecordedWalk {
       v.material = at->hit.material;
       v.lobes = at->scattering->lobes();
     }
-    end.add(v);
+    last = static_cast<int>(list->size());
+    list->push_back(v);
   }
 
+  std::vector<RecordedLightVertex>* list;
   float scale;
-  RecordedLightPath end;
+  int last = NOT_RECORDED; ///< index of the latest vertex in the list
   // Of the latest event:
   LobeSet lobe = NO_LOBE;
   float pdf = 0, pdfReverse = 0;

@@ -199,14 +199,13 @@ inline int panesLeft(int maxDepth, int depth) {
   return maxDepth < 0 ? std::numeric_limits<int>::max() : std::max(0, maxDepth - depth);
 }
 
-/** Callback for callers that need no information on the panes a shadow ray passed. */
-struct IgnorePane {
-  void operator()(const Hit&) const {}
+/** Callback of callers that need nothing of what it is called with. */
+struct Ignore {
+  template <class... Arguments> void operator()(const Arguments&...) const {}
 };
 
 /** Kind of the surface of a hit in the path classes. */
 inline SurfaceKind surfaceKind(const PathClasses& classes, const Hit& hit) {
-  if (!classes.distinguishesSurfaces()) return SurfaceKind();
   return classes.surfaceKind(hit.object, hit.material ? hit.material->number : 0);
 }
 
@@ -265,7 +264,7 @@ Rgb throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi, 
 
 /** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const
  * Hit&) for each pane on the ray. */
-template <class Passed = IgnorePane>
+template <class Passed = Ignore>
 Rgb transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                   const Nesting& nesting, int maxPanes, TransportCounts& counts, Passed&& passed = {}) {
   ++counts.rays;

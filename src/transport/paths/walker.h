@@ -51,9 +51,9 @@ template <class State> class Walker {
    * flight(uint16_t, float) before each flight through a medium, with its index and the distance to the next
    * surface. Returns false if the path ends.
    */
-  template <class Emission, class MediumEmission, class Flight>
-  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
-            MediumEmission&& mediumEmission, Flight&& flight) {
+  template <class Emission = Ignore, class MediumEmission = Ignore, class Flight = Ignore>
+  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission = {},
+            MediumEmission&& mediumEmission = {}, Flight&& flight = {}) {
     for (;;) {
       const bool isHit = intersect(scene, path.ray, vertex.hit, counts);
       vertex.medium = nullptr;
@@ -92,18 +92,6 @@ template <class State> class Walker {
         path.ray = spawn(vertex.hit.point, path.ray.direction);
     }
   }
-  template <class Emission, class MediumEmission>
-  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
-            MediumEmission&& mediumEmission) {
-    return next(path, vertex, sampler, emission, mediumEmission, [](uint16_t, float) {});
-  }
-  template <class Emission> bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission) {
-    return next(path, vertex, sampler, emission, [](const Rgb&) {});
-  }
-  bool next(Path& path, Vertex& vertex, Sampler& sampler) {
-    return next(path, vertex, sampler, [](const Hit*) {});
-  }
-
   /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
    * nullopt if the path ends. At a surface a light path survives by the ratio of its flux to `keptPart`
    * times the flux on arrival, a camera path by its throughput. */
@@ -129,8 +117,8 @@ template <class State> class Walker {
   }
 
  private:
-  static constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
-  static constexpr bool IS_LIGHT = TRANSPORT == Transport::FLUX;
+  static constexpr bool IS_LIGHT = std::is_same_v<State, LightState>;
+  static constexpr Transport TRANSPORT = IS_LIGHT ? Transport::FLUX : Transport::RADIANCE;
 
   /** Russian roulette: light paths survive with probability `chance`, camera paths by their throughput. */
   static bool survives(Path& path, float chance, Sampler& sampler) {
@@ -151,7 +139,6 @@ template <class State> class Walker {
   template <class MediumEmission, class Flight>
   bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler, MediumEmission&& emission,
                     Flight&& flight) const {
-    constexpr Absorption ABSORPTION = IS_LIGHT ? Absorption::SAMPLED : Absorption::EXPECTED;
     const uint16_t number = path.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
     if (!medium) return false;
@@ -159,7 +146,8 @@ template <class State> class Walker {
     if (!scatters) return false;
     const float before = channelSum(path.throughput);
     const Collision c =
-        sampleCollision(*medium, path.ray, end, path.hero, ABSORPTION, sampler, path, emission);
+        sampleCollision(*medium, path.ray, end, path.hero,
+                        IS_LIGHT ? Absorption::SAMPLED : Absorption::EXPECTED, sampler, path, emission);
     if (!c.scatters || isBlack(path.throughput)) return false;
     // The mean of the channels keeps fluxes nearly equal: it is constant where single channels fluctuate with
     // their densities.

@@ -14,8 +14,6 @@ namespace recurse {
 
 namespace {
 
-constexpr int FLANN_LEAF = 16;
-
 /**
  * Upper bound [scene units²] with slack for FLANN, which updates the distance to a box incrementally, so that
  * rounding may exceed the exact one. Photons are accepted by their own exact distance.
@@ -88,17 +86,8 @@ struct PhotonMap::Flann {
   std::unique_ptr<Index> index;
 };
 
-// Defined here, where Flann is a complete type.
-PhotonMap::PhotonMap() = default;
-PhotonMap::~PhotonMap() = default;
-PhotonMap::PhotonMap(PhotonMap&&) noexcept = default;
-PhotonMap& PhotonMap::operator=(PhotonMap&&) noexcept = default;
-
-void PhotonMap::dropFlann() { flann.reset(); }
-
 void PhotonMap::buildFlann() {
-  if (!flann) flann = std::make_unique<Flann>();
-  flann->index.reset();
+  flann = std::make_shared<Flann>();
   flann->points.resize(3 * photonCount);
   for (size_t i = 0; i < photonCount; ++i) {
     const Vec3f p = position(i);
@@ -106,8 +95,7 @@ void PhotonMap::buildFlann() {
   }
   if (photonCount == 0) return; // FLANN crashes on an empty set
   const flann::Matrix<float> matrix(flann->points.data(), photonCount, 3);
-  flann->index = std::make_unique<Flann::Index>(matrix, flann::KDTreeSingleIndexParams(FLANN_LEAF),
-                                                flann::L2_3D<float>());
+  flann->index = std::make_unique<Flann::Index>(matrix, flann::KDTreeSingleIndexParams());
   flann->index->buildIndex();
 }
 
@@ -118,21 +106,11 @@ size_t PhotonMap::flannBytes() const {
   return tree + flann->points.capacity() * sizeof(float) + photonCount * (3 * sizeof(float) + sizeof(float*));
 }
 
-void PhotonMap::findWithinFlann(const GatherRegion& region, FoundPhotons& found) const {
+void PhotonMap::findFlann(const GatherRegion& region, size_t most, FoundPhotons& found) const {
   found.clear();
   if (photonCount == 0) return;
   withQuery(region, [&](const auto& query) {
-    RegionResult result(*this, query, 0);
-    flann->index->findNeighbors(result, &region.center.x, flann::SearchParams());
-    makeBlocks(result.hits, found);
-  });
-}
-
-void PhotonMap::findNearestFlann(const GatherRegion& region, int k, FoundPhotons& found) const {
-  found.clear();
-  if (photonCount == 0) return;
-  withQuery(region, [&](const auto& query) {
-    RegionResult result(*this, query, static_cast<size_t>(k));
+    RegionResult result(*this, query, most);
     flann->index->findNeighbors(result, &region.center.x, flann::SearchParams());
     makeBlocks(result.hits, found);
   });

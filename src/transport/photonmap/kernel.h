@@ -8,8 +8,6 @@
 #pragma once
 
 #include <cmath>
-#include <optional>
-#include <string_view>
 
 #include "recurse/core/math/vector.h"
 
@@ -20,8 +18,6 @@ enum class Kernel {
   CONE,        ///< K = 3 (1 − d/r) / (π r²): Jensen's filter with k = 1
   EPANECHNIKOV ///< K = 2 (1 − d²/r²) / (π r²): least mean squared error (Silverman 1986, section 3.3.2)
 };
-
-constexpr Kernel ALL_KERNELS[] = {Kernel::CONSTANT, Kernel::CONE, Kernel::EPANECHNIKOV};
 
 /**
  * Kernel shape π r² K at q = d²/r², for 0 <= q <= 1 (negative or undefined beyond). T is float, double or
@@ -61,32 +57,6 @@ template <class F> decltype(auto) withKernel(Kernel kernel, F&& f) {
     break;
   }
   return f(std::integral_constant<Kernel, Kernel::EPANECHNIKOV>());
-}
-
-/** Kernel K(d) [1/area] for distance² <= radius²; 0 beyond. */
-inline float kernelValue(Kernel kernel, float distance2, float radius2) {
-  if (!(distance2 <= radius2)) return 0;
-  const float shape = withKernel(kernel, [&](auto k) { return kernelShape<k.value>(distance2 / radius2); });
-  return shape * INV_PI / radius2;
-}
-
-constexpr const char* kernelName(Kernel kernel) {
-  switch (kernel) {
-  case Kernel::CONSTANT:
-    return "constant";
-  case Kernel::CONE:
-    return "cone";
-  case Kernel::EPANECHNIKOV:
-    break;
-  }
-  return "epanechnikov";
-}
-
-/** Kernel with that name; nullopt for an unknown name. */
-constexpr std::optional<Kernel> parseKernel(std::string_view name) {
-  for (const Kernel kernel : ALL_KERNELS)
-    if (name == kernelName(kernel)) return kernel;
-  return std::nullopt;
 }
 
 } // namespace recurse

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "recurse/core/math/rgb.h"
 #include "recurse/core/math/vector.h"
@@ -82,11 +81,5 @@ inline std::optional<Photon> photonAt(const Vec3f& position, const Vec3f& normal
   photon.pathState = pathState;
   return photon;
 }
-
-/** Optical lengths of the paths of photons of each kind, in the same order [scene units]; empty unless the
- * render is transient. */
-struct PhotonPathLengths {
-  std::vector<float> onSurfaces, inMedia, beams;
-};
 
 } // namespace recurse

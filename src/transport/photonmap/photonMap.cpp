@@ -265,15 +265,11 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
 
   if (kind == PhotonIndexKind::FLANN) {
     levelCount = 0;
-    const size_t chunks = (leafCount * LEAF_SIZE + CHUNK - 1) / CHUNK, chunkLeaves = CHUNK / LEAF_SIZE;
-    parallelFor(chunks, [&](size_t chunk) {
-      const size_t end = std::min(leafCount, (chunk + 1) * chunkLeaves);
-      for (size_t leaf = chunk * chunkLeaves; leaf < end; ++leaf) builder.writeLeaf(leaf);
-    });
+    parallelFor(leafCount, [&](size_t leaf) { builder.writeLeaf(leaf); });
     buildFlann();
     return;
   }
-  dropFlann();
+  flann.reset();
   if (photonCount == 0) return;
   levelCount = 1;
   while (size_t(1) << 3 * levelCount < leafCount) ++levelCount;

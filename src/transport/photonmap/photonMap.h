@@ -26,13 +26,6 @@ enum class PhotonIndexKind {
   KDTREE, ///< the eight-wide tree described above
   FLANN   ///< FLANN's KDTreeSingleIndex: slow, for comparison
 };
-/** Index with that name; nullopt for an unknown name. */
-constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name) {
-  if (name == "kdtree") return PhotonIndexKind::KDTREE;
-  if (name == "flann") return PhotonIndexKind::FLANN;
-  return std::nullopt;
-}
-
 /** Result of a query: blocks in increasing order of slots. */
 struct FoundPhotons {
   LargeArray<Float8> distance2; ///< infinite in lanes that were not found
@@ -73,11 +66,6 @@ struct NearestPhotons {
 
 class PhotonMap {
  public:
-  PhotonMap();
-  ~PhotonMap();
-  PhotonMap(PhotonMap&&) noexcept;
-  PhotonMap& operator=(PhotonMap&&) noexcept;
-
   /**
    * Replaces the contents by these photons, given in the order of emission. Photons with a non-finite
    * position or power are refused and counted. The result does not depend on the number of threads. Buffers
@@ -207,10 +195,9 @@ class PhotonMap {
   uint64_t lastNearestKey(size_t wanted, const RankBracket& bracket, PhotonScratch& scratch) const;
   void keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const;
   void buildFlann();
-  void dropFlann();
   size_t flannBytes() const;
-  void findWithinFlann(const GatherRegion& region, FoundPhotons& found) const;
-  void findNearestFlann(const GatherRegion& region, int k, FoundPhotons& found) const;
+  /** Finds the `most` photons nearest to the centre of a region; 0: all in the region. */
+  void findFlann(const GatherRegion& region, size_t most, FoundPhotons& found) const;
 
   PhotonIndexKind indexKind = PhotonIndexKind::KDTREE;
   size_t photonCount = 0, refusedCount = 0;
@@ -224,8 +211,8 @@ class PhotonMap {
   LargeArray<float> reverseRatios; ///< in use unless all are 0
   bool hasReverseRatios = false;
   LargeArray<uint32_t> emission;
-  std::vector<float> lengths; ///< of the photons' paths, by slot; empty: not kept
-  std::unique_ptr<Flann> flann;
+  std::vector<float> lengths;   ///< of the photons' paths, by slot; empty: not kept
+  std::shared_ptr<Flann> flann; ///< null for the other index
 };
 
 } // namespace recurse

@@ -61,29 +61,20 @@ size_t countUpTo(const FoundPhotons& found, float bound) {
 
 } // namespace
 
-/** Narrows the bracket until it contains few photons: first by interpolation, since the number of photons on
- * a surface grows linearly with D², then by bisection of the remaining floats. */
+/** Narrows the bracket until it contains few photons, or by a few interpolations, since the number of photons
+ * on a surface grows linearly with D². */
 PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size_t wanted, float upper) {
   constexpr size_t MAX_LEFT = 8;
   constexpr int INTERPOLATIONS = 6;
   RankBracket b;
   b.high = std::min(upper, std::numeric_limits<float>::max());
   b.countHigh = found.count;
-  for (int step = 0; b.countHigh - b.countLow > MAX_LEFT; ++step) {
-    float guess;
-    if (step < INTERPOLATIONS) {
-      const float from = std::max(b.low, 0.0f);
-      const float share =
-          (static_cast<float>(wanted - b.countLow) - 0.5f) / static_cast<float>(b.countHigh - b.countLow);
-      guess = from + (b.high - from) * share;
-      if (!(guess > b.low && guess < b.high)) continue;
-    } else {
-      // Non-negative floats have the same order as their bits.
-      const uint32_t lowBits = b.low < 0 ? 0 : std::bit_cast<uint32_t>(b.low) + 1;
-      const uint32_t highBits = std::bit_cast<uint32_t>(b.high);
-      if (lowBits >= highBits) break; // all remaining distances are equal
-      guess = std::bit_cast<float>(lowBits + (highBits - lowBits) / 2);
-    }
+  for (int step = 0; step < INTERPOLATIONS && b.countHigh - b.countLow > MAX_LEFT; ++step) {
+    const float from = std::max(b.low, 0.0f);
+    const float share =
+        (static_cast<float>(wanted - b.countLow) - 0.5f) / static_cast<float>(b.countHigh - b.countLow);
+    const float guess = from + (b.high - from) * share;
+    if (!(guess > b.low && guess < b.high)) break;
     const size_t n = countUpTo(found, guess);
     (n >= wanted ? b.high : b.low) = guess;
     (n >= wanted ? b.countHigh : b.countLow) = n;
@@ -162,11 +153,11 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
   found.clear();
   NearestPhotons result;
   if (k <= 0 || photonCount == 0) return result;
+  const auto wanted = static_cast<size_t>(k);
   if (indexKind == PhotonIndexKind::FLANN) {
-    findNearestFlann(region, k, found);
+    findFlann(region, wanted, found);
     return {static_cast<int>(found.count), farthest2(found)};
   }
-  const auto wanted = static_cast<size_t>(k);
   const size_t most = std::max<size_t>(4 * wanted, 256);
   withQuery(region, [&](auto query) {
     const float limit = query.radius2;

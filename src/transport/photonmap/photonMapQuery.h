@@ -208,7 +208,7 @@ template <bool EMPTY_TOO, class State, class Add>
 State PhotonMap::accumulate(const GatherRegion& region, State state, Add&& add) const {
   if (indexKind == PhotonIndexKind::FLANN) {
     FoundPhotons found;
-    findWithinFlann(region, found);
+    findFlann(region, 0, found);
     visit(found, [&](const PhotonBlock& block) { add(state, block); });
     return state;
   }

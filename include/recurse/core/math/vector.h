@@ -60,6 +60,8 @@ template <class T> inline glm::vec<3, T> magnitude(const glm::vec<3, T>& v) {
 template <class T> constexpr int widestAxis(const glm::vec<3, T>& v) {
   return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
 }
+/** Number of signed axes: two for each dimension. */
+constexpr size_t SIGNED_AXES = 6;
 /** Index of the signed axis nearest to a direction: 2 · axis, plus 1 if it is negative. */
 inline size_t signedAxis(const Vec3f& v) {
   const int axis = widestAxis(magnitude(v));

@@ -61,7 +61,13 @@ class LightPathRecorder {
    * it: threads record into lists of their own, for append(). */
   std::vector<RecordedLightVertex>* listFor(uint64_t path) { return isRecorded(path) ? &list : nullptr; }
   /** Appends vertices whose indices `previous` refer to `vertices`. */
-  void append(const std::vector<RecordedLightVertex>& vertices);
+  void append(const std::vector<RecordedLightVertex>& vertices) {
+    const int offset = static_cast<int>(list.size());
+    for (RecordedLightVertex vertex : vertices) {
+      if (vertex.previous != NOT_RECORDED) vertex.previous += offset;
+      list.push_back(vertex);
+    }
+  }
 
   const std::vector<RecordedLightVertex>& vertices() const { return list; }
   /** Number of light paths of the pass. */
@@ -72,32 +78,6 @@ class LightPathRecorder {
  private:
   uint64_t limit, emitted = 0, step = 0;
   std::vector<RecordedLightVertex> list;
-};
-
-/** End of a light path during its walk. Copies of it record branches of the path. */
-class RecordedLightPath {
- public:
-  /** Records nothing. */
-  RecordedLightPath() = default;
-  explicit RecordedLightPath(std::vector<RecordedLightVertex>& list) : list(&list) {}
-
-  explicit operator bool() const { return list != nullptr; }
-  /** Adds a vertex behind the last one, which becomes its `previous`. */
-  void add(RecordedLightVertex vertex) {
-    if (!list) [[likely]]
-      return;
-    vertex.previous = last;
-    list->push_back(vertex);
-    last = static_cast<int>(list->size()) - 1;
-  }
-  /** Whether the last vertex is in a medium. */
-  bool isInMedium() const {
-    return list && last != NOT_RECORDED && (*list)[size_t(last)].kind == LightVertexKind::MEDIUM;
-  }
-
- private:
-  std::vector<RecordedLightVertex>* list = nullptr;
-  int last = NOT_RECORDED;
 };
 
 } // namespace recurse
