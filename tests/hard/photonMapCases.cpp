@@ -60,7 +60,7 @@ void few(const Report& report) {
     const std::string index = kind == PhotonIndexKind::KDTREE ? "kd-tree" : "flann";
     for (int n = 0; n <= 2; ++n) {
       const std::vector<Photon> photons(two.begin(), two.begin() + n);
-      for (const Kernel kernel : ALL_KERNELS)
+      for (const Kernel kernel : testing::ALL_KERNELS)
         for (const int nearest : {0, 1, 100}) {
           GatherSettings settings;
           settings.kernel = kernel;
@@ -72,11 +72,11 @@ void few(const Report& report) {
           if (nearest != 1 || n == 0)
             for (const Photon& p : photons)
               expected += ALBEDO / M_PI * double(p.power.g) *
-                          double(kernelValue(
+                          double(testing::kernelValue(
                               kernel, p.position.x * p.position.x + p.position.y * p.position.y, 0.04f));
           std::string problem;
           const double got = gathered(photons, settings, 0, kind, problem);
-          report.atMost(shown("%.0f photons, ", n) + kernelName(kernel) +
+          report.atMost(shown("%.0f photons, ", n) + testing::kernelName(kernel) +
                             (nearest ? shown(", %.0f nearest", nearest) : ", all within the radius"),
                         index, "error", std::abs(got - expected), 1e-6 * std::max(1.0, expected), problem);
         }

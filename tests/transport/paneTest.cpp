@@ -220,3 +220,44 @@ Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
           .layerMeans();
   for (const size_t i : {0u, 3u, 6u}) EXPECT_NEAR(photons[i], truth[i], 0.03 * truth[i]) << i / 3;
 }
+
+/** A small lamp above a floor, with `between` close below the lamp. */
+std::string lampOverFloor(const std::string& between) {
+  return R"(
+Film "rgb" "integer xresolution" 12 "integer yresolution" 9
+PixelFilter "box"
+LookAt 0 -5 1.5  0 0 .5  0 0 1
+Camera "perspective" "float fov" 45
+MakeNamedMedium "vacuum" "string type" "homogeneous" "rgb sigma_a" [ 0 0 0 ] "rgb sigma_s" [ 0 0 0 ]
+WorldBegin
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "bilinearmesh" "point3 P" [ -4 -4 0  4 -4 0  -4 4 0  4 4 0 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 40 36 30 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Translate 0 0 1.95
+Rotate 180 1 0 0
+Shape "disk" "float radius" .1
+AttributeEnd
+)" + between;
+}
+
+// The position error of a wide pane is larger than that of a small lamp behind it.
+TEST(Panes, DoNotMakeShadowRaysHitTheLamp) {
+  const auto meanOf = [](const std::string& between, const char* name) {
+    const auto scene = sceneFrom(lampOverFloor(between));
+    return renderScene(*scene, name, "", samples(64)).mean();
+  };
+  const double alone = meanOf("", "path");
+  const std::string pane = "Material \"thindielectric\" \"float eta\" 1.0001\nRotate 10 1 0 0\n"
+                           "Shape \"trianglemesh\" \"point3 P\" [ -30 -30 1.9  30 -30 1.9  0 30 1.9 ] "
+                           "\"integer indices\" [ 0 1 2 ]\n",
+                    box = "MediumInterface \"vacuum\" \"\"\nMaterial \"interface\"\n"
+                          "Shape \"box\" \"point3 p1\" [ -30 -30 .5 ] \"point3 p2\" [ 30 30 1.9 ]\n";
+  for (const char* name : {"path", "simplepath", "photonmap", "bdpt", "vcm"}) {
+    EXPECT_NEAR(meanOf(pane, name), alone, .01 * alone) << name;
+    if (name[0] != 'b' && name[0] != 'v') {
+      EXPECT_NEAR(meanOf(box, name), alone, .01 * alone) << name;
+    }
+  }
+}
