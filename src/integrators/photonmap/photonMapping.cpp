@@ -129,25 +129,27 @@ bool PhotonMapping::followDelta(const Scene& scene, const CameraWalker& walker, 
 
 void PhotonMapping::addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path,
                                 const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
-  if (!vertex.scattering->keepsPhotons()) {
-    addByRays(scene, walker, path, vertex, sampler, out);
-    return;
-  }
-  path.walk.state = vertex.afterD;
-  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   VertexEstimates at;
+  at.byRays = !vertex.scattering->keepsPhotons();
+  path.walk.state = vertex.afterD;
+  if (at.byRays) {
+    path.remainingWeight *= std::exchange(path.weights.share, 1);
+    path.weights.direct = {};
+    at.indirect.unknownWeight = 0;
+  }
+  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
   at.direct = std::exchange(path.weights.direct, {});
   at.direct.ratio.arrive(path.walk.ray.direction, vertex.point());
   at.direct.unknownWeight = std::exchange(path.weights.share, 1);
-  if (!settings.directLight) {
+  if (!settings.directLight || at.byRays) {
     at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
     addDirectLight(scene, path, at.context, at.direct, vertex, sampler, out);
   }
   at.directWeight = path.remainingWeight;
   path.remainingWeight *= at.direct.unknownWeight;
-  if (at.direct.unknownWeight > 0) addFromMaps(scene, path, vertex, sampler, at, out);
+  if (at.direct.unknownWeight > 0 && !at.byRays) addFromMaps(scene, path, vertex, sampler, at, out);
 
-  const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
+  const int rays = path.nonDelta == 0 && !at.byRays ? std::max(settings.finalGather, 1) : 1;
   path.walk.throughput /= static_cast<float>(rays);
   for (int i = 0; i < rays && !out.abandoned(); ++i)
     followNonDelta(scene, walker, path, vertex, at,
@@ -202,20 +204,6 @@ void PhotonMapping::followNonDelta(const Scene& scene, const CameraWalker& walke
   if (!settings.directLight || at.byRays) weights.bsdfRay = {at.context, s->pdf, true};
   weights.merge = MergeRatio(at.causticMergeDensity, s->pdf, s->direction, vertex.point());
   if (weights.share > 0 || weights.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, sampler, out);
-}
-
-void PhotonMapping::addByRays(const Scene& scene, const CameraWalker& walker, PathState path,
-                              const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
-  path.walk.state = vertex.afterD;
-  path.remainingWeight *= std::exchange(path.weights.share, 1);
-  path.weights.direct = {};
-  if (out.pathClasses().dead(vertex.afterD) || !survives(path, sampler)) return;
-  VertexEstimates at;
-  at.byRays = true;
-  at.context = lightSampleContext(lights, vertex.point(), vertex.wi);
-  at.indirect.unknownWeight = 0;
-  addDirectLight(scene, path, at.context, {}, vertex, sampler, out);
-  followNonDelta(scene, walker, path, vertex, at, sampler.fork(DeltaScatters::MAX_COUNT + 2), out);
 }
 
 void PhotonMapping::recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next,

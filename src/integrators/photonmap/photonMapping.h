@@ -100,7 +100,8 @@ class PhotonMapping final : public Integrator {
    * limit; otherwise by one, chosen at random, with Russian roulette. Returns false if the path ends. */
   bool followDelta(const Scene& scene, const CameraWalker& walker, PathState& path,
                    const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const;
-  /** Adds light that non-delta lobes scatter along the path: direct light, photons, and rays that go on. */
+  /** Adds light that non-delta lobes scatter along the path: direct light, photons where they are stored, and
+   * rays that go on. */
   void addNonDelta(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
                    Sampler& sampler, PathRadiance& out) const;
   /** Adds the estimates by both photon maps at a vertex. Sets their weights in `at`. */
@@ -110,9 +111,6 @@ class PhotonMapping final : public Integrator {
   void followNonDelta(const Scene& scene, const CameraWalker& walker, const PathState& path,
                       const CameraVertex& vertex, const VertexEstimates& at, Sampler sampler,
                       PathRadiance& out) const;
-  /** Adds light of non-delta lobes where no photons are stored: shadow rays, and a ray for other light. */
-  void addByRays(const Scene& scene, const CameraWalker& walker, PathState path, const CameraVertex& vertex,
-                 Sampler& sampler, PathRadiance& out) const;
   /** Records the step from a vertex to `next`, if there is a recorder. */
   static void recordStep(const CameraVertex& vertex, const Scatter& s, PathState& next, PathRadiance& out);
   bool mayHitLight(const Scene& scene) const {
