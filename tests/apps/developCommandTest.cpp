@@ -222,4 +222,6 @@ TEST_F(DevelopProgram, LayersGoIntoTheExr) {
   }
   EXPECT_EQ(run({"render", "scene.pbrt", "-o", "b.png", "--layers", "depth"}).status, 2);
   EXPECT_EQ(run({"render", "scene.pbrt", "-o", "b.exr", "--layers-through"}).status, 2);
+  EXPECT_EQ(run({"render", "scene.pbrt", "-o", "b.exr", "--layers", "depth", "--class", "depth=LDE"}).status,
+            2);
 }

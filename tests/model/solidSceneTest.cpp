@@ -165,3 +165,10 @@ TEST(SolidScene, TooManyLevelsOfSolidsAreRefusedWithTheirPlace) {
   ASSERT_TRUE(deepest.scene) << deepest.messages;
   EXPECT_NEAR(hitAlong(*deepest.scene, {-3, 0, 0}, {1, 0, 0}).t, 1.8, 1e-4);
 }
+
+// Squares of their sizes are no normal numbers: rays would have directions that are not numbers.
+TEST(SolidScene, TinyShapesAreRefusedWithTheirPlace) {
+  const std::string said = errorsOf("Shape \"sphere\" \"float radius\" 1e-19");
+  EXPECT_NE(said.find("test.pbrt:3:7: error: the shape is too small"), std::string::npos) << said;
+  EXPECT_TRUE(load("Shape \"sphere\" \"float radius\" 1e-14").scene);
+}

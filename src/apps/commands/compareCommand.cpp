@@ -7,6 +7,7 @@
 #include "apps/options/optionText.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/text.h"
 #include "recurse/report/compare/compare.h"
 #include "recurse/report/compare/flip.h"
 #include "recurse/report/marking/marking.h"
@@ -55,7 +56,7 @@ ExitStatus markFiles(const CompareOptions& o) {
   if (!o.second.empty() || !o.noiseFree.empty() || !o.failAbove.empty() || !o.failBelow.empty())
     throw Error("--classes needs one picture and one reference, and excludes --fail-above and --fail-below",
                 ExitStatus::BAD_USAGE);
-  if (!o.output.empty() && !o.output.ends_with(".html"))
+  if (!o.output.empty() && !lowerCase(o.output).ends_with(".html"))
     throw Error("-o " + o.output + ": with --classes the output is a page, such as marks.html",
                 ExitStatus::BAD_USAGE);
   if (!o.output.empty()) checkFileWritable(o.output);

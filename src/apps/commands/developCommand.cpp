@@ -9,6 +9,7 @@
 #include "apps/options/optionText.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/text.h"
 
 namespace recurse::apps {
 
@@ -22,7 +23,7 @@ struct DevelopCommandOptions {
   bool sheet = false, quiet = false;
 };
 
-bool isPage(const std::string& name) { return name.ends_with(".html"); }
+bool isPage(const std::string& name) { return lowerCase(name).ends_with(".html"); }
 
 void checkOutputs(const DevelopCommandOptions& o) {
   for (const std::string& name : o.outputs) {

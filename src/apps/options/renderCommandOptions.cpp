@@ -8,7 +8,9 @@
 
 #include "apps/options/optionText.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -218,12 +220,15 @@ RenderPlan RenderCommandOptions::plan() const {
 FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& outputs, bool layered) const {
   FeatureSettings out;
   out.throughSpecular = throughSpecular;
-  const bool hasExr =
-      std::any_of(outputs.begin(), outputs.end(), [](const auto& name) { return name.ends_with(".exr"); });
+  const bool hasExr = std::any_of(outputs.begin(), outputs.end(),
+                                  [](const auto& name) { return lowerCase(name).ends_with(".exr"); });
   if (!layers.empty()) {
     out.layers = split(layers, ',');
     requireFeatureLayers(out.layers);
     if (!hasExr) badUsage("--layers: needs an .exr output; add -o FILE.exr");
+    for (const PathClass& one : pathClasses())
+      if (std::find(out.layers.begin(), out.layers.end(), one.name) != out.layers.end())
+        badUsage("--class: " + one.name + " is a layer of --layers; give the class another name");
   } else if (layered && hasExr) { // layers that pbrt has, too
     for (const FeatureLayer& layer : featureLayers())
       if (*layer.channels && layer.isOfScene) out.layers.emplace_back(layer.name);

@@ -6,6 +6,7 @@
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
+#include "transport/direct/directLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/learning/lightLearning.h"
 

@@ -4,6 +4,7 @@
 #include "integrators/path/plainPath.h"
 
 #include "recurse/transport/integrator/lightPathRecorder.h"
+#include "transport/direct/directLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/paths/recordedCamera.h"
 #include "transport/paths/walker.h"

@@ -2,6 +2,7 @@
  * Emitted light that a camera path of the photon mapping estimator hits, and shadow rays.
  */
 #include "integrators/photonmap/photonMapping.h"
+#include "transport/direct/directLight.h"
 
 namespace recurse {
 

@@ -253,6 +253,12 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
                         "coordinates below 1e18");
     return;
   }
+  // Squares of smaller distances are denormal numbers.
+  const Vec3f sides = bounds.diagonal();
+  if (const float size = sides[widestAxis(sides)]; size > 0 && size < 1e-15f) {
+    c.diagnostics.error(s.shape.location, "the shape is too small for single precision", "sizes above 1e-15");
+    return;
+  }
   group.placed.push_back({shape.get(), m, &s, around, partOf});
   shapes.push_back(std::move(shape));
   keys.push_back(std::move(key));

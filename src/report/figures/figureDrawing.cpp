@@ -67,7 +67,7 @@ std::string svgColour(const Rgb& colour) {
   return text;
 }
 
-bool isSvg(const std::string& fileName) { return fileName.ends_with(".svg"); }
+bool isSvg(const std::string& fileName) { return lowerCase(fileName).ends_with(".svg"); }
 
 } // namespace
 

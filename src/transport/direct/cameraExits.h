@@ -11,11 +11,10 @@
 
 namespace recurse {
 
-/** Number of positions below which those of camera paths do not represent the openings of a scene, and a
- * number above which more do not improve what is fitted to them. Groups of as many are divided into halves.
- */
+/** Minimum number of positions of camera paths that represent the openings of a scene. Groups of as many are
+ * divided into halves. More than MANY_POSITIONS do not improve the boxes and rectangles around them. */
 constexpr size_t ENOUGH_POSITIONS = 64, MANY_POSITIONS = 8 * ENOUGH_POSITIONS;
-/** Margin around positions over their extent, for what is beyond the outermost. */
+/** Margin around positions, relative to their extent: openings are wider than the paths through them. */
 constexpr float POSITION_MARGIN = 0.05f;
 
 /** Point through which environment light may enter: the last vertex of a camera path that leaves the scene,

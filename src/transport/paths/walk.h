@@ -199,7 +199,7 @@ inline int panesLeft(int maxDepth, int depth) {
   return maxDepth < 0 ? std::numeric_limits<int>::max() : std::max(0, maxDepth - depth);
 }
 
-/** Callback of callers that need nothing of what it is called with. */
+/** Callback that does nothing. */
 struct Ignore {
   template <class... Arguments> void operator()(const Arguments&...) const {}
 };
