@@ -73,6 +73,7 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "--progress", "loud"}, "plain"},
       {{"render", "scene.pbrt", "--paths", "L("}, "column"},
       {{"render", "scene.pbrt", "--class", "LDE"}, "NAME=EXPRESSION"},
+      {{"convert", "house.obj", "-o", "a\"b.pbrt"}, "quotes"},
       {{"render", "scene.pbrt", "--class", "a=L("}, "column"},
       {{"render", "scene.pbrt", "--class", "a=LDE", "--paths", "LDE"}, "cannot be combined with --paths"},
       {{"render", "scene.pbrt", "-q", "-v"}, "excludes"},

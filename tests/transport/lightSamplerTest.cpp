@@ -226,7 +226,8 @@ TEST(LightSampler, WhatLearningTookIsTold) {
     const uint64_t first = pass(), second = pass(); // the second pass has nothing to learn
     return before + first - second;
   };
-  for (const char* name : {"path", "bdpt", "vcm"}) EXPECT_EQ(raysOfFirstPass(name, ""), learning) << name;
+  for (const char* name : {"path", "bdpt"}) EXPECT_EQ(raysOfFirstPass(name, ""), learning) << name;
+  EXPECT_EQ(raysOfFirstPass("vcm", ""), raysOfPrepare("vcm")); // probes included
   EXPECT_EQ(raysOfFirstPass("auto", "\"integer passes\" 0 \"integer photons\" 2000"), learning);
   EXPECT_EQ(raysOfFirstPass("photonmap",
                             "\"integer passes\" 0 \"integer photons\" 2000 \"bool causticsonly\" true"),

@@ -1,6 +1,7 @@
 /** @file
  * `recurse convert`: conversion of a model to a self-contained scene.
  */
+#include <algorithm>
 #include <filesystem>
 
 #include "apps/commands/commands.h"
@@ -24,8 +25,12 @@ ExitStatus convert(const std::string& input, const ModelChoice& choice, const st
   if (!output.ends_with(".pbrt"))
     throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
   checkFileWritable(output);
+  const std::string stem = fs::path(output).stem().string();
+  if (std::any_of(stem.begin(), stem.end(), [](unsigned char c) { return c == '"' || c == '\\' || c < ' '; }))
+    throw Error("-o: scene files cannot name files with quotes, backslashes or control characters: " + output,
+                ExitStatus::BAD_USAGE);
   Diagnostics diagnostics;
-  const std::string folder = fs::path(output).stem().string() + "-files/";
+  const std::string folder = stem + "-files/";
   const std::unique_ptr<ModelScene> scene =
       modelScene(input, choice, folder, allowsOutside ? "warn" : "refuse", diagnostics);
   diagnostics.throwIfErrors();

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "apps/options/optionText.h"
+#include "apps/run/console.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
@@ -235,6 +236,9 @@ FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& o
   } else if (throughSpecular) {
     badUsage("--layers-through: needs --layers");
   }
+  if (!outputs.empty() && !hasExr && (!classes.empty() || extra.error || extra.samples))
+    say("warning: only .exr outputs have the layers of --class, --error-layer and --samples-layer; add -o "
+        "FILE.exr\n");
   return out;
 }
 
