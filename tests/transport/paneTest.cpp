@@ -247,8 +247,7 @@ TEST(Panes, DoNotMakeShadowRaysHitTheLamp) {
   const auto meanOf = [](const std::string& between, const char* name) {
     const auto scene = sceneFrom(lampOverFloor(between));
     const bool hasMap = std::string(name) == "photonmap";
-    return renderScene(*scene, name, hasMap ? "\"integer passes\" 1 \"integer photons\" 1000" : "",
-                       samples(64))
+    return renderScene(*scene, name, hasMap ? "\"integer passes\" 1 \"integer photons\" 1000" : "", 64)
         .mean();
   };
   const double alone = meanOf("", "path");
