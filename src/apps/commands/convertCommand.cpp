@@ -1,7 +1,6 @@
 /** @file
  * `recurse convert`: conversion of a model to a self-contained scene.
  */
-#include <algorithm>
 #include <filesystem>
 
 #include "apps/commands/commands.h"
@@ -26,7 +25,7 @@ ExitStatus convert(const std::string& input, const ModelChoice& choice, const st
     throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
   checkFileWritable(output);
   const std::string stem = fs::path(output).stem().string();
-  if (std::any_of(stem.begin(), stem.end(), [](unsigned char c) { return c == '"' || c == '\\' || c < ' '; }))
+  if (sceneText(stem) != '"' + stem + '"')
     throw Error("-o: scene files cannot name files with quotes, backslashes or control characters: " + output,
                 ExitStatus::BAD_USAGE);
   Diagnostics diagnostics;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <string_view>
 
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"

@@ -17,11 +17,14 @@ namespace {
 constexpr double MAX_RADIUS = 1e17;
 
 // Words of parameters, in the order of the enumerations.
-const std::vector<std::string> KERNELS{"constant", "cone", "epanechnikov"}, INDICES{"kdtree", "flann"},
-    MECHANISMS{"nothing", "lightlearning", "shadowopenings", "splitting", "judgedradii", "mergeweights"};
+using Words = std::vector<std::string>;
+Words kernels() { return {"constant", "cone", "epanechnikov"}; }
+Words indices() { return {"kdtree", "flann"}; }
+Words mechanisms() {
+  return {"nothing", "lightlearning", "shadowopenings", "splitting", "judgedradii", "mergeweights"};
+}
 
-template <class Enum>
-Enum enumeratorOf(const Parameters& p, const char* name, const std::vector<std::string>& words) {
+template <class Enum> Enum enumeratorOf(const Parameters& p, const char* name, const Words& words) {
   return Enum(std::find(words.begin(), words.end(), p.string(name)) - words.begin());
 }
 
@@ -39,11 +42,11 @@ PhotonMappingSettings common(const Parameters& p) {
   s.finalGather = p.integer("finalgather");
   s.shareIrradiance = p.boolean("shareirradiance");
   s.weighting = GatherWeighting::belowRoughness(p.real("followroughness"));
-  s.kernel = enumeratorOf<Kernel>(p, "kernel", KERNELS);
-  s.index = enumeratorOf<PhotonIndexKind>(p, "photonindex", INDICES);
+  s.kernel = enumeratorOf<Kernel>(p, "kernel", kernels());
+  s.index = enumeratorOf<PhotonIndexKind>(p, "photonindex", indices());
   s.alpha = p.real("alpha");
   s.beams = p.string("volumephotons") == "beams";
-  s.without = enumeratorOf<Mechanism>(p, "without", MECHANISMS);
+  s.without = enumeratorOf<Mechanism>(p, "without", mechanisms());
   s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
   return s;
 }
@@ -73,10 +76,10 @@ std::vector<ParameterSpec> densityEstimateParameters() {
                        "boundary correction: divide by the area of surface within the radius, which rays "
                        "measure near edges, walls and on curved surfaces, and in media by the enclosed "
                        "volume. false: divide by the whole disc, which darkens edges"),
-      stringParameter("kernel", "epanechnikov", "weight of photons by distance").oneOf(KERNELS),
+      stringParameter("kernel", "epanechnikov", "weight of photons by distance").oneOf(kernels()),
       stringParameter("photonindex", "kdtree",
                       "search structure of the photons; flann is slower, and only for comparison")
-          .oneOf(INDICES)};
+          .oneOf(indices())};
 }
 
 std::vector<ParameterSpec> transportParameters() {
@@ -115,7 +118,7 @@ std::vector<ParameterSpec> transportParameters() {
                       "for studies of one mechanism, switch it off: lights chosen by position, openings for "
                       "shadow rays, splitting of strong photons, radii chosen by error, MIS weights of "
                       "photons and rays")
-          .oneOf(MECHANISMS)};
+          .oneOf(mechanisms())};
 }
 
 /** Adds the parameters that photonmap and sppm share. */

@@ -22,8 +22,8 @@ struct GatherErrors {
   double byRays = 0, variance = 0;
   /** Weight of photons in a support with this fraction of the area within GatherSettings::radius. */
   float photonWeight(double areaFraction) const {
-    // Bound of the rays' fraction of the error, and of that of photons; beyond them the second estimate costs
-    // more than it gains.
+    // Minimum fraction of the error that rays have, and photons; below, the second estimate costs more than
+    // it gains.
     constexpr double ONLY_RAYS = 0.35;
     const double rays = areaFraction * byRays;
     const double share = rays > 0 ? rays / (rays + variance) : 0;

@@ -14,8 +14,8 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   constexpr size_t AREAS = SupportErrors::AREAS;
   const float recordRadius = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
-  GatherRegion widest; // of the supports, each of which is reduced where its surface bends away
-  widest.radius = 0;
+  // Each support is reduced where its surface bends away, so that the last may not be the widest.
+  GatherRegion widest{.radius = 0};
   for (size_t j = 0; j < AREAS; ++j) {
     region.radius = recordRadius * ofArea(j);
     const float covered = coveredFraction(boundary, error, kernel, region, counts);

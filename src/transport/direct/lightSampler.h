@@ -36,7 +36,7 @@ struct LightArrivals {
   void add(const Vec3f& position, const Vec3f& normal, uint32_t leaf) {
     bySide[signedAxis(normal)].push_back({position, normal, leaf});
   }
-  std::array<std::vector<Arrival>, SIGNED_AXES> bySide; ///< by the signed axis nearest to the normal
+  std::array<std::vector<Arrival>, SIGNED_AXES> bySide; ///< arrivals by the signed axis nearest to the normal
 };
 
 /** Irradiance by a light sample, in its strongest channel; 0 behind the surface or if not finite. */

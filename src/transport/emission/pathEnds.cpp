@@ -35,9 +35,11 @@ double directionToEnd(const LightEnd& end, const Vec3f& from) {
   return double(absDot(end.ray.direction, end.ray.normal)) * inverseDistance2(end.ray.origin, from);
 }
 
+namespace {
+
 /** Density with which a shadow ray from x_k-1 chooses the end, in the measure of B_k. */
-static double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
-                           const LightEnd& end) {
+double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
+                    const LightEnd& end) {
   const auto pick = double(lights.probability(scene.lights(), from, end.index));
   switch (end.light->kind()) {
   case LightKind::AREA: {
@@ -58,6 +60,8 @@ static double shadowRayPdf(const Scene& scene, const LightSampler& lights, const
   }
   return pick;
 }
+
+} // namespace
 
 double shadowRayDensity(const Scene& scene, const LightSampler& lights, const ShadowRayStart& from,
                         const LightEnd& end, std::span<const WeightedVertex> vertices) {

@@ -200,7 +200,7 @@ class PhotonWalk {
   std::vector<std::pair<PhotonPath, Sampler>> waiting;
   EmissionSampler starts;
   Walker<LightState> walker;
-  std::optional<LightStart> origin; ///< of the current photon
+  std::optional<LightStart> origin; ///< start of the current photon
   LightVertex vertex;               ///< latest vertex of the current photon
   bool storesDirect = true;         ///< see ShootSettings::direct
   /** Maximum number of photons that one emitted photon is split into, at all its surfaces together. */

@@ -211,7 +211,7 @@ class PhotonMap {
   LargeArray<float> reverseRatios; ///< in use unless all are 0
   bool hasReverseRatios = false;
   LargeArray<uint32_t> emission;
-  std::vector<float> lengths;   ///< of the photons' paths, by slot; empty: not kept
+  std::vector<float> lengths;   ///< optical lengths of the photons' paths, by slot; empty: not kept
   std::shared_ptr<Flann> flann; ///< null for the other index
 };
 
