@@ -13,7 +13,7 @@ namespace {
 /** Warnings of a scene with the media "m" and "n". */
 std::string warningsOf(const std::string& shapes) {
   Diagnostics diagnostics;
-  const std::string text = "Camera \"perspective\"\nWorldBegin\n"
+  const std::string text = "LookAt 90 80 70 0 0 0 0 0 1 Camera \"perspective\"\nWorldBegin\n"
                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
                            "MakeNamedMedium \"n\" \"string type\" \"homogeneous\"\n"
                            "MediumInterface \"m\" \"\"\nMaterial \"interface\"\n" +
@@ -64,7 +64,7 @@ TEST(OpenBoundaries, ShapesThatCloseAreNotTold) {
   for (const char* shape : {"sphere", "box", "torus", "cylinder\" \"bool caps\" \"true", "loopsubdiv"}) {
     const std::string rest =
         shape == std::string("loopsubdiv")
-            ? "\"integer indices\" [0 2 1 0 1 3 1 2 3 0 3 2] \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1]"
+            ? "\"integer indices\" [0 1 2 0 3 1 1 3 2 0 2 3] \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1]"
             : "";
     expectClosed("Shape \"" + std::string(shape) + "\" " + rest + "\n");
   }
@@ -149,4 +149,37 @@ TEST(OpenBoundaries, ABoundaryOfVeryManyEdgesIsLookedAtInParts) {
 
 TEST(OpenBoundaries, TheSameMediumOnBothSidesIsNoBoundary) {
   expectClosed("MediumInterface \"m\" \"m\"\nMaterial \"diffuse\"\nShape \"disk\"\n" + faces(1));
+}
+
+TEST(CameraMedium, IsTheOneNamedOrElseTheOneAroundTheCamera) {
+  const auto build = [](const std::string& beforeCamera, const std::string& shapes, std::string& warnings) {
+    Diagnostics diagnostics;
+    const std::string media = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
+                              "MakeNamedMedium \"n\" \"string type\" \"homogeneous\"\n";
+    const SceneDescription description =
+        parseScene(media + beforeCamera + "Camera \"perspective\"\nWorldBegin\n" + shapes, "test.pbrt", ".",
+                   diagnostics);
+    const auto scene = buildScene(description, {}, diagnostics);
+    warnings = diagnostics.format();
+    const uint16_t number = scene->cameraMedium();
+    return number ? scene->mediumNames()[number - 1u] : std::string();
+  };
+  const std::string
+      sphere = "Material \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n",
+      wall = "AttributeBegin\nMaterial \"diffuse\"\nMediumInterface \"\" \"\"\nShape \"sphere\" \"float "
+             "radius\" .5\nAttributeEnd\n",
+      outside = "LookAt 0 0 -5 0 0 0 0 1 0\n", away = "LookAt 0 0 5 0 0 9 0 1 0\n";
+  std::string warnings;
+  for (const std::string& shapes : {sphere, wall + sphere, sphere + wall}) {
+    EXPECT_EQ(build("", shapes, warnings), "m");
+    EXPECT_NE(warnings.find("the camera is inside of medium \"m\""), std::string::npos) << warnings;
+    EXPECT_NE(warnings.find("MediumInterface \"\" \"m\" before Camera"), std::string::npos) << warnings;
+    for (const std::string& where : {outside, away}) {
+      EXPECT_EQ(build(where, shapes, warnings), "");
+      EXPECT_EQ(warnings, "");
+    }
+  }
+  EXPECT_EQ(build("MediumInterface \"\" \"n\"\n", sphere, warnings), "n");
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(build("", "Material \"subsurface\"\nShape \"sphere\"\n", warnings), "");
 }

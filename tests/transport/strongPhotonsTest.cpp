@@ -3,6 +3,7 @@
  */
 #include <tuple>
 
+#include "transport/classRendering.h"
 #include "transport/forward/shoot.h"
 #include "transport/rendering.h"
 
@@ -69,6 +70,45 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
   EXPECT_NEAR(b.value / a.value, 1, 4 * std::hypot(a.error, b.error) / a.value);
   EXPECT_GT(split.count, 2 * whole.count);
   EXPECT_LT(split.strongest, 0.6f * whole.strongest);
+}
+
+TEST(StrongPhotons, AreSplitWithoutLossWhereFogScattersThem) {
+  // Walls that absorb all light: every photon stored comes from the fog.
+  const auto scene = sceneFrom(
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [.1 .1 .1] \"rgb sigma_a\" "
+      "[0 0 0]\nMediumInterface \"\" \"fog\"\n" +
+      view(16, "0 0 -.9  0 0 1  0 1 0", 80) +
+      "MediumInterface \"fog\" \"fog\"\nLightSource \"point\"\nMaterial \"diffuse\" \"rgb reflectance\" [0 0 "
+      "0]\n"
+      "ReverseOrientation\nShape \"box\" \"point3 p1\" [-1 -1 -1] \"point3 p2\" [1 1 1]\n");
+  ASSERT_TRUE(scene);
+  VisibleRegion region;
+  region.addInMedium(Vec3f(0), 4, 1);
+  ShootSettings settings;
+  settings.photons = 1 << 15;
+  settings.direct = false;
+  settings.region = &region;
+  const auto shoot = [&] {
+    BatchMeans means; // of flux, strongest photon, and number of photons
+    for (uint64_t pass = 1; pass <= 8; ++pass) {
+      Pass p;
+      p.seed = pass;
+      const auto photons = shootPhotons(*scene, PathClasses(), p, settings, ForwardControl()).onSurfaces;
+      double flux = 0, strongest = 0;
+      for (const Photon& photon : photons) {
+        flux += double(photon.power.g);
+        strongest = std::max(strongest, double(photon.power.g));
+      }
+      means.add({flux, strongest, double(photons.size())});
+    }
+    return means;
+  };
+  const BatchMeans whole = shoot();
+  settings.splitPower = static_cast<float>(whole.mean(1) * double(settings.photons) / 16);
+  const BatchMeans split = shoot();
+  EXPECT_NEAR(split.mean(0), whole.mean(0), 3 * std::hypot(split.standardError(0), whole.standardError(0)));
+  EXPECT_LT(split.mean(1), whole.mean(1) / 10);
+  EXPECT_GT(split.mean(2), whole.mean(2) * 10);
 }
 
 TEST(StrongPhotons, AreSplitIntoALimitedNumber) {

@@ -78,6 +78,7 @@ class SceneBuilder {
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
+    findCameraMedium();
     return std::move(scene);
   }
 
@@ -170,6 +171,32 @@ class SceneBuilder {
     if (kept) kept->media.replace(std::move(all));
     scene->sceneContents.media = media.count();
     media.warnOfUnknownTypes();
+  }
+
+  /** Finds the medium around a camera for which the scene names none, by the first boundary that the central
+   * ray passes. Light paths begin in the media that surround lamps; camera paths would not see their light.
+   */
+  void findCameraMedium() {
+    if (scene->mediumOfCamera != 0 || !scene->hasMedia()) return;
+    const Vec2f center(scene->filmSettings.width / 2, scene->filmSettings.height / 2);
+    const std::optional<CameraRay> central = scene->sceneCamera->sampleRay({center});
+    if (!central) return;
+    Ray ray{central->origin, central->direction, INFINITE, scene->sceneCamera->timeAt(0)};
+    Hit hit;
+    do {
+      if (!scene->intersectPosition(ray, hit)) return;
+      ray.origin = hit.point.rayOrigin(ray.direction);
+    } while (!hit.media.isBoundary());
+    const bool isBehind = glm::dot(ray.direction, hit.point.geometricNormal) > 0;
+    const bool isNested = hit.material && hit.material->nesting >= 0; // which has a medium of its own
+    scene->mediumOfCamera = isBehind && !isNested ? hit.media.inside : hit.media.outside;
+    if (scene->mediumOfCamera == 0) return;
+    const std::string& name = media.name(scene->mediumOfCamera - 1u);
+    if (!name.empty())
+      diagnostics.warning(description.camera.location,
+                          "the camera is inside of medium \"" + name +
+                              "\", which no MediumInterface before it names",
+                          "MediumInterface \"\" \"" + name + "\" before Camera");
   }
 
   /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */

@@ -71,7 +71,7 @@ class PhotonWalk {
     const auto flight = [&](uint16_t medium, float end) { storeBeam(photon, medium, end, sampler); };
     while (walker.next(
         path, vertex, sampler, photon.record.escape(path, scene), [](const Rgb&) {}, flight)) {
-      bool isStored = false;
+      bool isStored = false, isSplit = true;
       if (vertex.medium) {
         if (settings.causticsOnly) return;
         isStored = storeInMedium(photon, sampler);
@@ -79,11 +79,11 @@ class PhotonWalk {
       } else {
         photon.ratio.arrive(path.ray.direction, vertex.point());
         if (settings.causticsOnly) vertex.allowed = LobeSet(vertex.allowed & DELTA_LOBES);
-        const bool keepsPhotons = vertex.scattering->keepsPhotons();
-        isStored = keepsPhotons && !classes.dead(vertex.afterD) && isStorable(photon) && store(photon);
+        isSplit = vertex.scattering->keepsPhotons();
+        isStored = isSplit && !classes.dead(vertex.afterD) && isStorable(photon) && store(photon);
         photon.record.arrive(path, vertex, isStored);
-        if (keepsPhotons) split(photon, sampler);
       }
+      if (isSplit) split(photon, sampler);
       if (!scatter(photon, sampler)) return;
     }
   }
@@ -107,11 +107,11 @@ class PhotonWalk {
     return true;
   }
 
-  /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
+  /** Splits a strong photon into several at non-delta lobes and in media; all but one are put on hold. At delta lobes one
    * photon carries the flux of all, since they would follow the same path. */
   void split(PhotonPath& photon, Sampler& sampler) {
     constexpr uint32_t SPLIT_STREAM = 2000; // number of the fork, unused by other forks of the sampler
-    const int count = splitCount(photon.path.throughput, vertex.point().position);
+    const int count = splitCount(photon.path.throughput);
     if (count == 1) return;
     const float fraction = 1 / static_cast<float>(count);
     const auto branch = [&](PhotonPath copy, int i, float keptFraction) {
@@ -128,9 +128,13 @@ class PhotonWalk {
 
   /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
    * in the visible region would each light a whole room from one direction. */
-  int splitCount(const Rgb& flux, const Vec3f& position) const {
+  int splitCount(const Rgb& flux) const {
     const float count = maxComponent(flux) / splitPower;
-    return count > 2 && settings.region->contains(position) ? static_cast<int>(count) : 1;
+    if (count <= 2) return 1;
+    const Vec3f& position = vertex.point().position;
+    const float importance =
+        vertex.medium ? settings.region->importanceInMedium(position) : settings.region->importance(position);
+    return importance > 0 ? static_cast<int>(count) : 1;
   }
 
   /** Reverse ratio after a non-delta event: from the light's densities at the first, else by furtherOn(). */

@@ -180,7 +180,7 @@ class Scene {
   /** Medium by its index in a MediumInterface; null: vacuum. */
   const Medium* medium(uint16_t number) const { return number ? sceneMedia[number - 1u].get() : nullptr; }
   size_t mediumCount() const { return sceneMedia.size(); }
-  /** Index of the medium around the camera. */
+  /** Index of the medium around the camera: the one named, else the one whose boundary is around it. */
   uint16_t cameraMedium() const { return mediumOfCamera; }
   /** Index of the medium around a light by the scene file; for areas, on the outer side of the shape. */
   uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
