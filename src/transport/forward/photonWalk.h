@@ -107,8 +107,8 @@ class PhotonWalk {
     return true;
   }
 
-  /** Splits a strong photon into several at non-delta lobes and in media; all but one are put on hold. At delta lobes one
-   * photon carries the flux of all, since they would follow the same path. */
+  /** Splits a strong photon into several at non-delta lobes and in media; all but one are put on hold. At
+   * delta lobes one photon carries the flux of all, since they would follow the same path. */
   void split(PhotonPath& photon, Sampler& sampler) {
     constexpr uint32_t SPLIT_STREAM = 2000; // number of the fork, unused by other forks of the sampler
     const int count = splitCount(photon.path.throughput);
