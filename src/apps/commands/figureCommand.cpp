@@ -2,6 +2,7 @@
  * `recurse figure`: pictures of the techniques of a method side by side.
  */
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "apps/commands/commands.h"
@@ -44,11 +45,10 @@ ExitStatus drawFigure(const FigureOptions& o) {
       loadAndBuild(o.render.scene, plan.overrides, takesAny ? o.render.integrator : IntegratorOptions());
   requireDistinctFiles({{"-o", o.output}}, inputFiles("a file of the scene", loaded.files));
   if (o.render.verbose) say(sceneReport(loaded));
-  const GracefulStop graceful;
+  const std::atomic<bool> neverStops{false}; // an interrupt ends the program: there is no part to write
   const FigureDrawing drawing =
       kind.draw({o, loaded, plan.settings(*loaded.scene),
-                 o.render.scene.substr(o.render.scene.find_last_of('/') + 1), graceful.flag()});
-  if (graceful.flag()) return ExitStatus::INTERRUPTED;
+                 o.render.scene.substr(o.render.scene.find_last_of('/') + 1), neverStops});
   writeDrawing(o.output, drawing);
   if (!o.render.quiet) say("written: " + o.output + "\n");
   return ExitStatus::DONE;

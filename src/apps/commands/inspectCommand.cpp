@@ -2,6 +2,7 @@
  * `recurse inspect`: a page of a scene in 3D with the paths of pixels and the photons.
  */
 #include <algorithm>
+#include <atomic>
 
 #include "apps/commands/commands.h"
 #include "apps/options/optionText.h"
@@ -144,10 +145,9 @@ ExitStatus inspectScene(const InspectOptions& o) {
     statistics = statisticsJson(report);
   }
   replaceIntegrator(loaded, o.render.integrator, o.render.lenient, false);
-  const GracefulStop graceful;
+  const std::atomic<bool> neverStops{false}; // an interrupt ends the program: there is no part to write
   recordPixels(scene, *loaded.integrator, classes, plan.settings(scene), samples, inspection.pixels,
-               graceful.flag(), {}, &inspection.lightPaths);
-  if (graceful.flag()) return ExitStatus::INTERRUPTED;
+               neverStops, {}, &inspection.lightPaths);
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
   inspection.kinds = surfaceKindsOf(scene, classes, inspection.photons);
   inspection.shownPhotons = photons;
@@ -155,10 +155,9 @@ ExitStatus inspectScene(const InspectOptions& o) {
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
-  addPatches(loaded, o.render.quiet, plan.settings(scene).seed, graceful.flag(), inspection);
+  addPatches(loaded, o.render.quiet, plan.settings(scene).seed, neverStops, inspection);
   inspection.references =
-      referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
-  if (graceful.flag()) return ExitStatus::INTERRUPTED;
+      referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, neverStops);
   inspection.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
   const std::string page = inspectPage(scene, classes, inspection);
   writeFileAtomically(o.output, page);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <system_error>
 
 #include "apps/options/optionText.h"
 #include "recurse/core/io/text.h"
@@ -138,6 +139,8 @@ std::string ModelChoice::text() const {
 std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const ModelChoice& choice,
                                        const std::string& folder, const std::string& outside,
                                        Diagnostics& diagnostics) {
+  if (std::error_code error; !std::filesystem::exists(fileName, error))
+    throw Error("cannot read " + fileName + ": " + (error ? error.message() : "no such file"));
   ParsedDirective shape;
   shape.type = importerOf(fileName);
   ParsedParameter file;

@@ -29,6 +29,7 @@ class Checker {
   }
 
   bool good() {
+    if (value.isBad) return false;
     if (!acceptsType(spec.type, spec.textured, value.type))
       return wrong(value.location,
                    "parameter " + quoted(spec.name) + " cannot be of type '" + value.type + "'",

@@ -116,6 +116,7 @@ void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, Parsed
     addValue(first, kind, out);
   } catch (const SceneError& e) {
     log.report(e);
+    out.isBad = true;
   }
   if (!looksLikeNumber(tokens.peek())) return;
   if (kind != ValueKind::UNKNOWN)
@@ -135,14 +136,13 @@ void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, Parsed
 /** Parses the values behind an opening bracket, and the closing one. */
 void parseList(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParameter& out) {
   const bool numeric = kind == ValueKind::NUMBERS;
-  bool bad = false; // one message for each list
   for (;;) {
-    if (numeric && !bad) {
+    if (numeric && !out.isBad) {
       try {
         tokens.appendNumbers(out.numbers);
       } catch (const SceneError& e) {
         log.report(e);
-        bad = true;
+        out.isBad = true;
         tokens.take();
       }
     }
@@ -158,12 +158,12 @@ void parseList(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParamet
       return;
     }
     tokens.take();
-    if (token.kind == TokenKind::OPEN && bad) continue;
+    if (token.kind == TokenKind::OPEN && out.isBad) continue;
     try {
-      if (!bad) addValue(token, kind, out);
+      if (!out.isBad) addValue(token, kind, out);
     } catch (const SceneError& e) {
       log.report(e);
-      bad = true;
+      out.isBad = true;
     }
   }
 }

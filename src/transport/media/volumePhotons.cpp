@@ -19,25 +19,30 @@ float radiusIn(const Bounds3f& box, size_t count) {
          std::cbrt(sides.z);
 }
 
-} // namespace
-
-KernelPoints kernelPointsAcross(const Vec3f& direction) {
-  static const KernelPoints ACROSS_Z = [] {
+/** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
+const std::array<Vec2f, 32>& kernelPoints() {
+  static const std::array<Vec2f, 32> POINTS = [] {
     const float goldenAngle = PI * (3 - std::sqrt(5.0f));
-    KernelPoints points;
+    std::array<Vec2f, 32> points;
     for (size_t i = 0; i < points.size(); ++i) {
       // The kernel's integral over a disc of radius r is 2 r² - r⁴.
       const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
       const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
-      points[i] = {r * std::cos(phi), r * std::sin(phi), 0};
+      points[i] = {r * std::cos(phi), r * std::sin(phi)};
     }
     return points;
   }();
-  const Frame frame(direction);
-  KernelPoints points;
-  for (size_t i = 0; i < points.size(); ++i) points[i] = frame.toWorld(ACROSS_Z[i]);
-  return points;
+  return POINTS;
 }
+
+/** Fraction of the Epanechnikov kernel's integral on one side of a line at a distance of 0 to 1 from the
+ * centre of the unit disc: the side of the centre. */
+float fractionWithin(float distance) {
+  const float x2 = square(distance);
+  return 0.5f + (distance * (5 - 2 * x2) * std::sqrt(1 - x2) / 3 + std::asin(distance)) * INV_PI;
+}
+
+} // namespace
 
 void DiscBounds::add(const Vec3f& normal, float distance) {
   constexpr float ALIKE = 0.9f; // minimum cosine for one surface, flat or gently curved
@@ -54,9 +59,28 @@ bool DiscBounds::cuts(const Vec3f& away) const {
                      [&](const Plane& p) { return glm::dot(p.normal, away) > p.distance; });
 }
 
-float DiscBounds::fraction(const KernelPoints& points, float radius) const {
-  const auto left =
-      std::count_if(points.begin(), points.end(), [&](const Vec3f& p) { return !cuts(p * radius); });
+float DiscBounds::fraction(const Vec3f& direction, float radius) const {
+  struct Line {
+    Vec2f normal;   ///< unit
+    float distance; ///< from the centre, over the radius
+  };
+  const Frame frame(direction);
+  std::array<Line, MAX_COUNT> lines;
+  size_t cutting = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const Vec2f across(glm::dot(planes[i].normal, frame.x), glm::dot(planes[i].normal, frame.y));
+    const float length = glm::length(across);
+    if (planes[i].distance < length * radius)
+      lines[cutting++] = {across / length, planes[i].distance / (length * radius)};
+  }
+  if (cutting == 0) return 1;
+  if (cutting == 1) return fractionWithin(lines[0].distance);
+  const auto isWithin = [&](const Vec2f& p) {
+    return std::none_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(cutting),
+                        [&](const Line& l) { return glm::dot(l.normal, p) > l.distance; });
+  };
+  const std::array<Vec2f, 32>& points = kernelPoints();
+  const auto left = std::count_if(points.begin(), points.end(), isWithin);
   return static_cast<float>(std::max<std::ptrdiff_t>(left, 1)) / static_cast<float>(points.size());
 }
 

@@ -26,11 +26,6 @@ struct VolumePhoton {
   float pathLength = 0;      ///< optical length from the light [scene units], in transient renders
 };
 
-/** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
-using KernelPoints = std::array<Vec3f, 32>;
-/** Points of the unit disc perpendicular to unit `direction`. */
-KernelPoints kernelPointsAcross(const Vec3f& direction);
-
 /** Bounds of a photon's disc: the planes of the surfaces around it. */
 class DiscBounds {
  public:
@@ -40,8 +35,9 @@ class DiscBounds {
   bool empty() const { return count == 0; }
   /** Whether a point, relative to the photon, is beyond a surface. */
   bool cuts(const Vec3f& away) const;
-  /** Fraction of the kernel's integral over the disc that is within the bounds; never 0. */
-  float fraction(const KernelPoints& points, float radius) const;
+  /** Fraction of the kernel's integral over the disc perpendicular to unit `direction` that is within the
+   * bounds; never 0. */
+  float fraction(const Vec3f& direction, float radius) const;
   /** Distance along `direction` from the bounding surface on which a ray starts, within `tolerance`, to the
    * photon; `t` if it starts on none. `origin`: origin of the ray, relative to the photon. */
   float distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t, float tolerance) const;
@@ -76,7 +72,6 @@ class VolumePhotonMap {
    * along the ray from there to the photon itself. `kernel` [1/area]: across the ray, with integral 1 over
    * the disc. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
-    const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {
       const Vec3f offset = photons[i].position - ray.origin;
       const float t = glm::dot(offset, ray.direction), radius2 = square(radii[i]);
@@ -87,7 +82,7 @@ class VolumePhotonMap {
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
         if (b.cuts(ray.direction * t - offset)) return;
-        kernel /= b.fraction(points, radii[i]);
+        kernel /= b.fraction(ray.direction, radii[i]);
         depth = b.distanceFromSurface(-offset, ray.direction, t, radii[i] / 2);
       }
       visit(photons[i], depth, kernel);

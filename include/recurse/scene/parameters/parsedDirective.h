@@ -34,6 +34,7 @@ struct ParsedParameter {
   std::vector<double> numbers;      ///< values of numeric types, flat
   std::vector<std::string> strings; ///< values of string types (string, texture, spectrum name or file)
   std::vector<bool> booleans;
+  bool isBad = false;           ///< an error in its values has been reported, once for a list
   SourceLocation location;      ///< location of the quoted declaration
   SourceLocation valueLocation; ///< location of the first value
   /** Base of relative file names in the value, where an Include makes it differ from the directive's. */
