@@ -141,6 +141,17 @@ TEST(Parameters, NumbersAndRanges) {
   EXPECT_CONTAINS(diagnostics.format(), "not finite");
 }
 
+TEST(Parameters, ValuesThatCannotBeReadAreOneError) {
+  for (const char* values : {"nan", "\"x\"", "[ 1 nan ]", "[ inf 1 2 ]"}) {
+    Diagnostics diagnostics;
+    const SceneDescription scene = parseScene(std::string("WorldBegin Shape \"s\" \"float r\" ") + values,
+                                              "test.pbrt", ".", diagnostics);
+    ASSERT_EQ(scene.shapes.size(), 1u);
+    bindParameters(scene.shapes[0].shape, {realParameter("r", "", "")}, diagnostics, false);
+    EXPECT_EQ(diagnostics.all().size(), 1u) << diagnostics.format();
+  }
+}
+
 TEST(Parameters, PlaceOfTheWrongNumber) {
   const Bound b = bindText("\"integer i\" [ 1 2\n 3 -4 5 ]",
                            {arrayParameter(ParameterType::INTEGER, "i", 0, "", "").range(0, 9)});

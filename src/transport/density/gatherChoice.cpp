@@ -70,10 +70,11 @@ int chooseNearest(const Nearest& range, PhotonsAround& around) {
 /** Warns of artifacts of a single map in a scene of radius `sceneRadius`. */
 void warnOfArtifacts(double photons, double radius, double sceneRadius, std::vector<std::string>& warnings) {
   if (photons < 25)
-    warnings.push_back(
-        formatted("the picture will show blotches: a density estimate uses %.0f photons (median). Emit more "
-                  "photons (--photons) or increase the radius (--radius)",
-                  photons));
+    warnings.push_back(formatted(
+        "the picture will show blotches: a density estimate uses %.0f photons (median). Emit more "
+        "photons (--photons), increase the radius (--radius), or omit \"passes\": several passes aim "
+        "photons at what the camera sees",
+        photons));
   if (radius > 0.05 * sceneRadius)
     warnings.push_back(
         formatted("the picture will be blurred: density estimates average over discs of radius %.3g (median) "
