@@ -4,7 +4,9 @@
 #include "transport/media/volumePhotons.h"
 
 #include <algorithm>
+#include <bit>
 
+#include "recurse/core/math/float8.h"
 #include "recurse/core/threads/parallel.h"
 
 namespace recurse {
@@ -19,28 +21,30 @@ float radiusIn(const Bounds3f& box, size_t count) {
          std::cbrt(sides.z);
 }
 
-/** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
-const std::array<Vec2f, 32>& kernelPoints() {
-  static const std::array<Vec2f, 32> POINTS = [] {
-    const float goldenAngle = PI * (3 - std::sqrt(5.0f));
-    std::array<Vec2f, 32> points;
-    for (size_t i = 0; i < points.size(); ++i) {
-      // The kernel's integral over a disc of radius r is 2 r² - r⁴.
-      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
-      const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
-      points[i] = {r * std::cos(phi), r * std::sin(phi)};
-    }
-    return points;
-  }();
-  return POINTS;
-}
+constexpr size_t KERNEL_BLOCKS = 4;
 
-/** Fraction of the Epanechnikov kernel's integral on one side of a line at a distance of 0 to 1 from the
- * centre of the unit disc: the side of the centre. */
-float fractionWithin(float distance) {
-  const float x2 = square(distance);
-  return 0.5f + (distance * (5 - 2 * x2) * std::sqrt(1 - x2) / 3 + std::asin(distance)) * INV_PI;
-}
+/** Points of a unit disc in blocks of eight, each with the same fraction of the Epanechnikov kernel's
+ * integral. */
+struct KernelPoints {
+  std::array<Float8, KERNEL_BLOCKS> x, y;
+
+  KernelPoints() {
+    constexpr size_t COUNT = 8 * KERNEL_BLOCKS;
+    const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+    alignas(32) std::array<float, COUNT> xs, ys;
+    for (size_t i = 0; i < COUNT; ++i) {
+      // The kernel's integral over a disc of radius r is 2 r² - r⁴.
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(COUNT);
+      const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
+      xs[i] = r * std::cos(phi);
+      ys[i] = r * std::sin(phi);
+    }
+    for (size_t block = 0; block < KERNEL_BLOCKS; ++block) {
+      x[block] = Float8::load(&xs[8 * block]);
+      y[block] = Float8::load(&ys[8 * block]);
+    }
+  }
+};
 
 } // namespace
 
@@ -60,28 +64,21 @@ bool DiscBounds::cuts(const Vec3f& away) const {
 }
 
 float DiscBounds::fraction(const Vec3f& direction, float radius) const {
-  struct Line {
-    Vec2f normal;   ///< unit
-    float distance; ///< from the centre, over the radius
-  };
+  static const KernelPoints POINTS;
   const Frame frame(direction);
-  std::array<Line, MAX_COUNT> lines;
-  size_t cutting = 0;
+  std::array<uint32_t, KERNEL_BLOCKS> beyond{};
   for (size_t i = 0; i < count; ++i) {
-    const Vec2f across(glm::dot(planes[i].normal, frame.x), glm::dot(planes[i].normal, frame.y));
-    const float length = glm::length(across);
-    if (planes[i].distance < length * radius)
-      lines[cutting++] = {across / length, planes[i].distance / (length * radius)};
+    // The plane cuts the disc along a line.
+    const Vec2f normal =
+        radius * Vec2f(glm::dot(planes[i].normal, frame.x), glm::dot(planes[i].normal, frame.y));
+    if (planes[i].distance >= glm::length(normal)) continue;
+    for (size_t block = 0; block < KERNEL_BLOCKS; ++block)
+      beyond[block] |= bits(less(Float8(planes[i].distance),
+                                 POINTS.x[block] * Float8(normal.x) + POINTS.y[block] * Float8(normal.y)));
   }
-  if (cutting == 0) return 1;
-  if (cutting == 1) return fractionWithin(lines[0].distance);
-  const auto isWithin = [&](const Vec2f& p) {
-    return std::none_of(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(cutting),
-                        [&](const Line& l) { return glm::dot(l.normal, p) > l.distance; });
-  };
-  const std::array<Vec2f, 32>& points = kernelPoints();
-  const auto left = std::count_if(points.begin(), points.end(), isWithin);
-  return static_cast<float>(std::max<std::ptrdiff_t>(left, 1)) / static_cast<float>(points.size());
+  int within = 8 * KERNEL_BLOCKS;
+  for (const uint32_t mask : beyond) within -= std::popcount(mask);
+  return static_cast<float>(std::max(within, 1)) / (8 * KERNEL_BLOCKS);
 }
 
 float DiscBounds::distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t,
