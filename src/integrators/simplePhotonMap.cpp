@@ -124,9 +124,8 @@ class SimplePhotonMap final : public Integrator {
 
   void store(const LightVertex& vertex, float length, std::vector<Photon>& stored,
              std::vector<float>* lengths) const {
-    const SurfacePoint& point = vertex.point();
-    const auto photon = photonAt(point.position, point.geometricNormal, vertex.wi,
-                                 vertex.throughput / float(photons), vertex.state.byte);
+    const auto photon =
+        photonAt(vertex.point(), vertex.wi, vertex.throughput / float(photons), vertex.state.byte);
     if (!photon) return;
     stored.push_back(*photon);
     if (lengths) lengths->push_back(length);

@@ -151,35 +151,66 @@ TEST(OpenBoundaries, TheSameMediumOnBothSidesIsNoBoundary) {
   expectClosed("MediumInterface \"m\" \"m\"\nMaterial \"diffuse\"\nShape \"disk\"\n" + faces(1));
 }
 
-TEST(CameraMedium, IsTheOneNamedOrElseTheOneAroundTheCamera) {
-  const auto build = [](const std::string& beforeCamera, const std::string& shapes, std::string& warnings) {
+TEST(CameraMedium, IsTheOneAroundTheCameraOrElseTheOneNamed) {
+  std::string warnings;
+  const auto build = [&](const std::string& beforeCamera, const std::string& shapes) {
     Diagnostics diagnostics;
     const std::string media = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
                               "MakeNamedMedium \"n\" \"string type\" \"homogeneous\"\n";
-    const SceneDescription description =
-        parseScene(media + beforeCamera + "Camera \"perspective\"\nWorldBegin\n" + shapes, "test.pbrt", ".",
-                   diagnostics);
+    const SceneDescription description = parseScene(
+        media + beforeCamera + "Camera \"perspective\"\nWorldBegin\nMediumInterface \"\" \"\"\n" + shapes,
+        "test.pbrt", ".", diagnostics);
     const auto scene = buildScene(description, {}, diagnostics);
     warnings = diagnostics.format();
     const uint16_t number = scene->cameraMedium();
     return number ? scene->mediumNames()[number - 1u] : std::string();
   };
   const std::string
-      sphere = "Material \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n",
-      wall = "AttributeBegin\nMaterial \"diffuse\"\nMediumInterface \"\" \"\"\nShape \"sphere\" \"float "
-             "radius\" .5\nAttributeEnd\n",
-      outside = "LookAt 0 0 -5 0 0 0 0 1 0\n", away = "LookAt 0 0 5 0 0 9 0 1 0\n";
-  std::string warnings;
-  for (const std::string& shapes : {sphere, wall + sphere, sphere + wall}) {
-    EXPECT_EQ(build("", shapes, warnings), "m");
-    EXPECT_NE(warnings.find("the camera is inside of medium \"m\""), std::string::npos) << warnings;
-    EXPECT_NE(warnings.find("MediumInterface \"\" \"m\" before Camera"), std::string::npos) << warnings;
+      boundary = "AttributeBegin\nMaterial \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n"
+                 "AttributeEnd\n",
+      pillar = "AttributeBegin\nMaterial \"diffuse\"\nTranslate 0 0 .5\nShape \"sphere\" \"float "
+               "radius\" .3\nAttributeEnd\n",
+      room = "AttributeBegin\nMaterial \"diffuse\"\nShape \"sphere\" \"float radius\" .5\nAttributeEnd\n",
+      outside = "LookAt 0 0 -5 0 0 0 0 1 0\n", away = "LookAt 0 0 5 0 0 9 0 1 0\n",
+      named = "MediumInterface \"\" \"n\"\n";
+  for (const std::string& shapes : {boundary, pillar + boundary, boundary + pillar}) {
+    EXPECT_EQ(build("", shapes), "m");
+    EXPECT_NE(warnings.find("the camera is inside of medium \"m\", not of empty space"), std::string::npos)
+        << warnings;
+    EXPECT_NE(warnings.find("MediumInterface \"\" \"m\" before it"), std::string::npos) << warnings;
+    EXPECT_EQ(build(named, shapes), "m");
+    EXPECT_NE(warnings.find("inside of medium \"m\", not of medium \"n\""), std::string::npos) << warnings;
     for (const std::string& where : {outside, away}) {
-      EXPECT_EQ(build(where, shapes, warnings), "");
+      EXPECT_EQ(build(where, shapes), "");
       EXPECT_EQ(warnings, "");
     }
   }
-  EXPECT_EQ(build("MediumInterface \"\" \"n\"\n", sphere, warnings), "n");
+  // A closed room hides the boundary.
+  EXPECT_EQ(build("", room + boundary), "");
   EXPECT_EQ(warnings, "");
-  EXPECT_EQ(build("", "Material \"subsurface\"\nShape \"sphere\"\n", warnings), "");
+  EXPECT_EQ(build(named, room + boundary), "n");
+  EXPECT_EQ(warnings, "");
+  EXPECT_EQ(build("", "MediumInterface \"m\" \"m\"\n" + room), "m");
+  EXPECT_EQ(build("", "Material \"subsurface\"\nShape \"sphere\"\n"), "");
+  EXPECT_EQ(warnings, "");
+}
+
+TEST(CameraMedium, OpaqueWallsOfATubAreNoBoundaryOfItsWater) {
+  const auto mediumOf = [](const std::string& camera) {
+    Diagnostics diagnostics;
+    const auto scene =
+        buildScene(parseScene("MakeNamedMedium \"water\" \"string type\" \"homogeneous\"\n" + camera +
+                                  "Camera \"perspective\"\nWorldBegin\nMediumInterface \"\" \"\"\n"
+                                  "Material \"diffuse\"\nShape \"disk\" \"float radius\" 50\n"
+                                  "Shape \"cylinder\" \"float zmin\" .1 \"float zmax\" 2\n"
+                                  "Shape \"disk\" \"float height\" .1\nMediumInterface \"water\" \"\"\n"
+                                  "Material \"dielectric\"\nShape \"disk\" \"float height\" 1.8\n",
+                              "test.pbrt", ".", diagnostics),
+                   {}, diagnostics);
+    return scene->cameraMedium();
+  };
+  EXPECT_EQ(mediumOf("LookAt 4 0 1  0 0 1.5  0 0 1\n"), 0); // outside, below the water level
+  EXPECT_EQ(mediumOf("LookAt 0 0 1.9  0 0 0  0 1 0\n"), 0);
+  EXPECT_EQ(mediumOf("LookAt 0 0 1  0 0 0  0 1 0\n"), 1);
+  EXPECT_EQ(mediumOf("LookAt 0 0 1  0 0 3  0 1 0\n"), 1);
 }

@@ -221,3 +221,28 @@ AttributeBegin Translate 1 0 .6 Shape "sphere" "float radius" .6 AttributeEnd
     EXPECT_NEAR(r.mean(), path.mean(), .02 * path.mean() + 4 * path.standardError()) << way.parameters;
   }
 }
+
+// Photons hit a sheet of partial alpha at random, and so do the camera rays that ask the photon map.
+TEST(Alpha, PhotonsOnASheetAreAsBrightAsShadowRays) {
+  const auto meanOf = [](const std::string& alpha, const char* integrator, const std::string& parameters) {
+    return renderText(view(16, "0 0 5  0 0 0  0 1 0", 30) +
+                          "LightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ 0 0 3 ]\n"
+                          "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
+                          "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 0 2 3 ] \"point3 P\" [ -4 -4 0 "
+                          "4 -4 0 4 "
+                          "4 0 -4 4 0 ] \"float alpha\" " +
+                          alpha,
+                      integrator, parameters, SANITIZED ? 4 : 32)
+        .mean();
+  };
+  const double opaque = meanOf("1", "path", "");
+  for (const auto& [integrator, parameters] :
+       {std::pair("path", ""),
+        {"photonmap", "\"string direct\" \"photons\""},
+        {"photonmap", "\"string direct\" \"photons\" \"bool edges\" false"},
+        {"simplephotonmap", ""},
+        {"vcm", ""}})
+    for (const char* alpha : {".1", ".6"})
+      EXPECT_NEAR(meanOf(alpha, integrator, parameters) / opaque, std::stod(alpha), SANITIZED ? .1 : .012)
+          << integrator << " " << parameters << " " << alpha;
+}

@@ -123,6 +123,29 @@ TEST(EmissionMixture, KeepsTheFluxOfALampWhateverIsLearned) {
   }
 }
 
+TEST(EmissionMixture, APortalIsPartOfTheDensityOfReplacedOrigins) {
+  // The portal is above a part of the floor only.
+  const auto scene =
+      sceneFrom(ballOnFloor(16, "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ] \"point3 portal\" "
+                                "[ -1 -1 2  0 -1 2  0 1 2  -1 1 2 ]"));
+  ASSERT_TRUE(scene);
+  const EmissionMixture mixture = mixtureOf(*scene);
+  ASSERT_TRUE(mixture.active());
+  const Light& light = scene->lights()[0];
+  std::vector<double> fluxes;
+  for (uint32_t i = 0; i < 20000; ++i) {
+    const auto sample = emitted(mixture, light, i);
+    fluxes.push_back(sample && hitsBall(*sample) ? double(sample->flux.r) : 0);
+    if (!sample || isBlack(sample->flux)) continue;
+    EXPECT_NEAR(mixture.pdfLe(0, *sample).position / sample->pdfPosition, 1, 1e-3);
+    EXPECT_NEAR(sample->radiance.r / (sample->pdfPosition * sample->pdfDirection) / sample->flux.r, 1, 1e-3);
+  }
+  // A sky of radiance 1 all around.
+  const Mean flux(fluxes);
+  EXPECT_NEAR(flux.value, M_PI * 4 * M_PI * 0.25, 4 * flux.error);
+  EXPECT_LT(flux.error, 0.03 * flux.value);
+}
+
 TEST(EmissionMixture, ALampInARoomIsNotFar) {
   const auto scene = sceneFrom(litCorner(16));
   ASSERT_TRUE(scene);

@@ -271,6 +271,24 @@ TEST(Media, AreKeptInNestedDielectrics) {
   EXPECT_NEAR(renderText(text, "simplepath", "", samples(8192)).mean(), std::exp(-1.0), 0.02);
 }
 
+TEST(Media, BoundariesDoNotDrawTheAlphaBehindThemAgain) {
+  const std::string sheet =
+      view(16, "0 -5 3  0 0 0  0 0 1", 30) +
+      "MakeNamedMedium \"thin\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1e-6 1e-6 1e-6 ]\n"
+      "LightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ 0 0 4 ]\n"
+      "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"disk\" \"float radius\" 5\n"
+      "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n"
+      "Shape \"disk\" \"float radius\" 2 \"float height\" 3.5 \"float alpha\" .5\n";
+  const std::string boundary = "MediumInterface \"thin\" \"\"\nMaterial \"interface\"\n"
+                               "Shape \"box\" \"point3 p1\" [ -4 -4 .5 ] \"point3 p2\" [ 4 4 1 ]\n";
+  for (const char* integrator : {"path", "simplepath"}) {
+    const Rendered without = renderText(sheet, integrator, "", samples(256)),
+                   with = renderText(sheet + boundary, integrator, "", samples(256));
+    ASSERT_GT(without.mean(), 0);
+    EXPECT_NEAR(with.mean() / without.mean(), 1, SANITIZED ? .2 : .02) << integrator;
+  }
+}
+
 TEST(Media, RaysGetPastEdges) {
   // A light whose rays hit exactly the edges of a box.
   const Rendered r =

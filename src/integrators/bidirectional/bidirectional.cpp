@@ -255,8 +255,7 @@ void Bidirectional::buildPhotons() {
       const StoredVertex& v = subpaths.vertices[path.first + t - 1];
       if (!v.connectable) continue;
       const float bent = absDot(v.wi, v.point.shadingNormal) / absDot(v.wi, v.point.geometricNormal);
-      const std::optional<Photon> photon =
-          photonAt(v.point.position, v.point.geometricNormal, v.wi, v.throughput * bent, v.state.byte);
+      const std::optional<Photon> photon = photonAt(v.point, v.wi, v.throughput * bent, v.state.byte);
       if (!photon) continue;
       found.push_back(*photon);
       photonVertices.push_back({static_cast<uint32_t>(p), t});

@@ -8,6 +8,7 @@
 
 #include "model/mesh/singles.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/model/scene/surroundingMedium.h"
 
 namespace recurse {
 
@@ -24,11 +25,6 @@ std::array<float, 6> endsOf(const OpenPiece& open) {
   const auto numbers = [](const Vec3f& v) { return std::array{v.x, v.y, v.z}; };
   const auto [a, b] = std::minmax({numbers(open.piece.from), numbers(open.piece.to)});
   return {a[0], a[1], a[2], b[0], b[1], b[2]};
-}
-
-/** True where neither light nor the medium passes. */
-bool isOpaque(const Material* material) {
-  return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
 }
 
 /** True where the segment between two points stays in the same medium. */

@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include "model/builder/objectNames.h"
 #include "model/builder/openBoundaries.h"
@@ -11,12 +12,15 @@
 #include "model/builder/shapeGroups.h"
 #include "model/embree/embreeScene.h"
 #include "model/light/scaledLight.h"
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/core/sampling/sampling.h"
 #include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/scene/importExpansion.h"
 #include "recurse/model/scene/keptParts.h"
 #include "recurse/model/scene/scene.h"
 #include "recurse/model/scene/sceneImport.h"
+#include "recurse/model/scene/surroundingMedium.h"
 
 namespace recurse {
 
@@ -78,7 +82,7 @@ class SceneBuilder {
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
-    findCameraMedium();
+    findSurroundingMedia();
     return std::move(scene);
   }
 
@@ -173,30 +177,48 @@ class SceneBuilder {
     media.warnOfUnknownTypes();
   }
 
-  /** Finds the medium around a camera for which the scene names none, by the first boundary that the central
-   * ray passes. Light paths begin in the media that surround lamps; camera paths would not see their light.
-   */
-  void findCameraMedium() {
-    if (scene->mediumOfCamera != 0 || !scene->hasMedia()) return;
+  /** Medium where all rays start, the camera or a lamp, by the surfaces around. Camera paths and light paths
+   * must agree about media. Warns if it is not the `named` one, but not of lamps for which none is named.
+   * `otherwise`: medium if neither a surface nor a name tells it; `what`: "camera" or "lamp". */
+  uint16_t surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
+                             const std::string& what, const SourceLocation& where) {
+    uint64_t traced = 0;
+    const uint16_t found = mediumAround(*scene, rays, named ? named : otherwise, traced);
+    const std::string name = found ? media.name(found - 1u) : "";
+    const bool isOfMaterial = found && name.empty(); // which no MediumInterface can name
+    if (found != named && !isOfMaterial && (named != 0 || what == "camera"))
+      diagnostics.warning(
+          where, "the " + what + " is inside of " + media.title(found) + ", not of " + media.title(named),
+          "MediumInterface \"\" \"" + name + "\" before it");
+    return found;
+  }
+
+  /** Finds the media around the camera and the finite lights. */
+  void findSurroundingMedia() {
+    constexpr uint32_t RAYS = 16;
+    if (!scene->hasMedia()) return;
+    Sampler sampler(0, 0, 0);
+    std::vector<Ray> rays;
+    const float time = scene->sceneCamera->timeAt(0);
     const Vec2f center(scene->filmSettings.width / 2, scene->filmSettings.height / 2);
-    const std::optional<CameraRay> central = scene->sceneCamera->sampleRay({center});
-    if (!central) return;
-    Ray ray{central->origin, central->direction, INFINITE, scene->sceneCamera->timeAt(0)};
-    Hit hit;
-    do {
-      if (!scene->intersectPosition(ray, hit)) return;
-      ray.origin = hit.point.rayOrigin(ray.direction);
-    } while (!hit.media.isBoundary());
-    const bool isBehind = glm::dot(ray.direction, hit.point.geometricNormal) > 0;
-    const bool isNested = hit.material && hit.material->nesting >= 0; // which has a medium of its own
-    scene->mediumOfCamera = isBehind && !isNested ? hit.media.inside : hit.media.outside;
-    if (scene->mediumOfCamera == 0) return;
-    const std::string& name = media.name(scene->mediumOfCamera - 1u);
-    if (!name.empty())
-      diagnostics.warning(description.camera.location,
-                          "the camera is inside of medium \"" + name +
-                              "\", which no MediumInterface before it names",
-                          "MediumInterface \"\" \"" + name + "\" before Camera");
+    if (const std::optional<CameraRay> central = scene->sceneCamera->sampleRay({center}))
+      for (uint32_t i = 0; i < RAYS; ++i)
+        rays.push_back({central->origin, uniformSphere(sampler.next2D()), INFINITE, time});
+    uint16_t& ofCamera = scene->mediumOfCamera;
+    ofCamera = surroundingMedium(rays, ofCamera, 0, "camera", description.camera.location);
+    for (size_t i = 0; i < scene->lights().size(); ++i) {
+      const Light& light = scene->lights()[i];
+      if (light.isInfinite()) continue;
+      rays.clear();
+      for (uint32_t k = 0; k < RAYS; ++k) {
+        const LeRandom random{sampler.next1D(), sampler.next2D(), sampler.next2D(), time};
+        if (const std::optional<LeSample> s = light.sampleLe(random))
+          rays.push_back({s->origin, s->direction, INFINITE, time});
+      }
+      uint16_t& medium = scene->mediaOfLights[i];
+      medium = surroundingMedium(rays, medium, ofCamera, "lamp",
+                                 scene->sceneLamps[scene->lampsOfLights[i]].location);
+    }
   }
 
   /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */

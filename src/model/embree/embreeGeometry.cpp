@@ -30,13 +30,14 @@ void setParameters(RTCHitN* hits, unsigned count, unsigned i, const HitParameter
  * point: the same for every query of this ray, and independent for each surface along it.
  */
 bool passes(const SceneGeometry& g, unsigned primitive, const HitParameters& parameters, const Vec3f& origin,
-            const Vec3f& direction, float time, unsigned instance) {
+            const Vec3f& direction, const RTCRay& ray, unsigned instance) {
   SurfacePoint point = g.shape->surfaceAt(primitive, parameters);
-  if (instance != RTC_INVALID_GEOMETRY_ID) transformToScene(g.top->instance(instance), time, point);
-  point.time = time;
+  if (instance != RTC_INVALID_GEOMETRY_ID) transformToScene(g.top->instance(instance), ray.time, point);
+  point.time = ray.time;
   const float alpha = g.shape->alpha->at(point).r;
   if (alpha >= 1) return false;
   if (alpha <= 0) return true;
+  if (ray.mask & PROBES) return false;
   uint64_t h = hashCombine(primitive, instance);
   for (const Vec3f& v : {origin, direction, parameters.point()})
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(v[i]));
@@ -51,7 +52,7 @@ void filterCallback(const RTCFilterFunctionNArguments* a) {
     const RTCRay ray = rtcGetRayFromRayN(a->ray, a->N, i);
     const RTCHit hit = rtcGetHitFromHitN(a->hit, a->N, i);
     if (passes(g, hit.primID, parametersOf(hit), {ray.org_x, ray.org_y, ray.org_z},
-               {ray.dir_x, ray.dir_y, ray.dir_z}, ray.time, hit.instID[0]))
+               {ray.dir_x, ray.dir_y, ray.dir_z}, ray, hit.instID[0]))
       a->valid[i] = 0;
   }
 }
@@ -70,7 +71,7 @@ void curveFilterCallback(const RTCFilterFunctionNArguments* a) {
     const Vec3f origin(ray.org_x, ray.org_y, ray.org_z), direction(ray.dir_x, ray.dir_y, ray.dir_z);
     const std::optional<HitParameters> p =
         g.curve->parametersOf(hit.primID, hit.u, origin, direction, ray.tfar);
-    if (!p || (g.curve->alpha && passes(g, hit.primID, *p, origin, direction, ray.time, hit.instID[0])))
+    if (!p || (g.curve->alpha && passes(g, hit.primID, *p, origin, direction, ray, hit.instID[0])))
       a->valid[i] = 0;
     else
       setParameters(a->hit, a->N, i, *p);
@@ -91,7 +92,7 @@ std::optional<PrimitiveHit> intersectPosition(const SceneGeometry& g, unsigned p
   std::optional<PrimitiveHit> hit =
       g.shape->intersect(primitive, origin, direction, ray.tnear * length, ray.tfar * length);
   if (g.shape->alpha)
-    while (hit && passes(g, primitive, hit->parameters, origin, direction, ray.time, instance))
+    while (hit && passes(g, primitive, hit->parameters, origin, direction, ray, instance))
       hit = g.shape->intersect(primitive, origin, direction, hit->t, ray.tfar * length);
   if (hit) {
     hit->t /= length;

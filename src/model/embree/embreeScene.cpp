@@ -3,6 +3,9 @@
  */
 #include "model/embree/embreeScene.h"
 
+#include <algorithm>
+#include <cfloat>
+
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/interrupt.h"
 #include "recurse/model/mesh/triangleMesh.h"
@@ -92,10 +95,10 @@ EmbreeScene::EmbreeScene(std::shared_ptr<const EmbreeDevice> device)
     : device(std::move(device)),
       packets(rtcGetDeviceProperty(this->device->get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {}
 
-EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray) const {
+EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray, unsigned mask) const {
   checkInterrupted();
   RTCRayHit rayHit;
-  setRay(rayHit.ray, ray, SEEN);
+  setRay(rayHit.ray, ray, mask);
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(groups.front()->scene(), rayHit);
@@ -124,6 +127,8 @@ void EmbreeScene::complete(const PositionHit& position, float time, Wanted wante
     makeAt(hit.point, [&] { return g.shape->surfaceAt(position.primitive, position.parameters); });
   if (instance) transformToScene(*instance, time, hit.point);
   hit.point.time = time;
+  if (wanted == Wanted::SURFACE && g.shape->alpha)
+    hit.point.alpha = std::clamp(g.shape->alpha->at(hit.point).r, FLT_MIN, 1.0f);
   hit.t = position.t;
   hit.primitive = position.primitive;
   hit.material = g.compound ? g.shape->materialAt(position.parameters) : g.material;
@@ -135,14 +140,21 @@ void EmbreeScene::complete(const PositionHit& position, float time, Wanted wante
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
-  const PositionHit position = nearest(ray);
+  const PositionHit position = nearest(ray, SEEN);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
   complete(position, ray.time, Wanted::SURFACE, hit);
   return true;
 }
 
 bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
-  const PositionHit position = nearest(ray);
+  const PositionHit position = nearest(ray, SEEN);
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(position, ray.time, Wanted::PLACE, hit);
+  return true;
+}
+
+bool EmbreeScene::probePosition(const Ray& ray, Hit& hit) const {
+  const PositionHit position = nearest(ray, SEEN | PROBES);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
   complete(position, ray.time, Wanted::PLACE, hit);
   return true;
@@ -174,7 +186,7 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
                              p->hit.instID[0][i]};
     }
   }
-  for (; done < rays.size(); ++done) makeAt(positions[done], [&] { return nearest(rays[done]); });
+  for (; done < rays.size(); ++done) makeAt(positions[done], [&] { return nearest(rays[done], SEEN); });
 }
 
 void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const {

@@ -15,8 +15,9 @@ namespace recurse {
 class GeometryGroup;
 class CurveShape;
 
-/** Ray masks. Surfaces that emit and do not scatter are visible to rays but cast no shadow. */
-constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
+/** Ray masks. Surfaces that emit and do not scatter are visible to rays but cast no shadow. For rays of
+ * PROBES, too, surfaces with an alpha above 0 are solid. */
+constexpr unsigned SEEN = 1, CASTS_SHADOW = 2, PROBES = 4;
 
 /** One shape in a tree, with the attributes of hits on it. */
 struct SceneGeometry {
@@ -104,6 +105,7 @@ class EmbreeScene final : public Scene {
 
   bool intersect(const Ray& ray, Hit& hit) const override;
   bool intersectPosition(const Ray& ray, Hit& hit) const override;
+  bool probePosition(const Ray& ray, Hit& hit) const override;
   bool occluded(const Ray& ray) const override;
   void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
   void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
@@ -118,7 +120,7 @@ class EmbreeScene final : public Scene {
     HitParameters parameters;
     unsigned geometry, primitive, instance;
   };
-  PositionHit nearest(const Ray& ray) const;
+  PositionHit nearest(const Ray& ray, unsigned mask) const;
   /** Finds the nearest hits of up to GROUP rays. */
   void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
   const TriangleMesh* meshOf(const PositionHit& position) const;

@@ -30,7 +30,7 @@ template <class Stops>
 bool intersectFirst(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts, const Stops& stops) {
   constexpr int MAX_PASSED = 8;
   for (int i = 0; i < MAX_PASSED; ++i) {
-    if (!intersectPosition(scene, ray, hit, counts)) return false;
+    if (!probePosition(scene, ray, hit, counts)) return false;
     if (stops(hit)) return true;
     const float tMax = ray.tMax - hit.t;
     ray = spawn(hit.point, ray.direction);
@@ -47,7 +47,7 @@ bool intersectNonDelta(const Scene& scene, const Ray& ray, Hit& hit, TransportCo
 /** Whether a ray along the surface hits a wall. Glass and water are walls: light differs on both sides. */
 bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
                    TransportCounts& counts) {
-  return intersectPosition(scene, ray, hit, counts) && hit.material && (hit.material->lobes() & ALL_LOBES) &&
+  return probePosition(scene, ray, hit, counts) && hit.material && (hit.material->lobes() & ALL_LOBES) &&
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
 }
 

@@ -23,11 +23,14 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
                           SpectralTransmittance& sum, TransportCounts& counts, Passed& passed) {
   Ray ray = shadowRay(from.point, light);
   if (ray.direction == Vec3f(0)) return;
-  const bool panes = maxPanes > 0 && hasPanes(scene);
-  ++counts.rays;
-  if (scene.occluded(ray) && !panes && scene.nestedIndices().empty()) {
-    sum.value = BLACK;
-    return;
+  // Without panes and hidden surfaces one ray decides, and draws the alpha of all surfaces on its way.
+  const bool isDecided = (maxPanes == 0 || !hasPanes(scene)) && scene.nestedIndices().empty();
+  if (isDecided) {
+    ++counts.rays;
+    if (scene.occluded(ray)) {
+      sum.value = BLACK;
+      return;
+    }
   }
   nesting.scatters(from, wi, light.direction);
   BsdfArena arena;
@@ -43,7 +46,8 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
     }
     if (isBlack(sum.value) || !isHit) return;
     arena.reset();
-    if (const Bsdf* bsdf = bsdfAt(scene, hit, light.direction, Footprint(), nesting, arena)) {
+    const Bsdf* bsdf = isDecided ? nullptr : bsdfAt(scene, hit, light.direction, Footprint(), nesting, arena);
+    if (bsdf) {
       if (count++ < maxPanes)
         sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
       else

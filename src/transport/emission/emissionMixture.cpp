@@ -131,9 +131,11 @@ void EmissionMixture::redirect(uint32_t light, LeSample& sample, float pick, con
     }
   }
   if (hitLane < 0 || emitter.isInfinite()) {
-    // The density of the sample itself: rounding may deny that the light emits in its direction.
+    // The density of the sample itself: rounding may deny that the light emits in its direction. With a
+    // portal, the density of a replaced origin differs from it.
     float& replaced = emitter.isInfinite() ? sample.pdfPosition : sample.pdfDirection;
-    const float mixed = density(light, ray, replaced, hitLane);
+    const float own = hitLane < 0 ? replaced : emitter.pdfLe(ray).position;
+    const float mixed = density(light, ray, own, hitLane);
     sample.origin = ray.origin;
     sample.flux *= replaced / mixed;
     replaced = mixed;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/surroundingMedium.h"
 #include "transport/paths/walk.h"
 
 namespace recurse {
@@ -42,9 +43,11 @@ std::optional<LightStart> EmissionSampler::start(float time, Sampler& sampler) c
   if (!byMedium) path.nesting = nestingAt(scene, path.ray, counts);
   path.optical = opticalStart(scene, classes, path.ray, path.nesting, isInfinite, counts);
   if (!scene.hasMedia()) return start;
-  if (!byMedium) {
-    const uint16_t declared = isInfinite ? settings.outside : scene.lightMedium(start.end.index);
-    path.nesting.startIn(declared ? declared : mediumAround(scene, path.ray, 0, counts));
+  if (!byMedium && isInfinite)
+    path.nesting.startIn(settings.outside);
+  else if (!byMedium) {
+    const uint16_t atFirst = scene.lightMedium(start.end.index);
+    path.nesting.startIn(scene.moves() ? mediumAround(scene, {&path.ray, 1}, atFirst, counts.rays) : atFirst);
   }
   path.hero = drawHero(sampler.next1D());
   return start;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recurse/core/threads/parallel.h"
+#include "recurse/model/scene/surroundingMedium.h"
 #include "transport/paths/walk.h"
 
 namespace recurse {
@@ -62,10 +63,6 @@ uint16_t mediumBefore(const Hit& hit, const Vec3f& direction) {
                                                                              : hit.media.inside;
 }
 
-bool isOpaque(const Material* material) {
-  return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
-}
-
 /** Bounds of the boundaries of a medium: whole shapes, and the points of objects that a grid of rays hits.
  * Empty if no boundary is hit. */
 Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,
@@ -99,23 +96,22 @@ Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& b
 
 } // namespace
 
-uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts) {
-  for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
-    if (hit.media.isBoundary()) return mediumBefore(hit, ray.direction);
-  return outside;
-}
-
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts) {
   constexpr int LINES = 64; // rays along each side
   std::vector<size_t> seen(scene.mediumCount() + 1);
+  bool areBounded = false; // boundaries anywhere on the lines
   forLinesThrough(boxAround(scene.bounds()), LINES, 0, [&](Ray ray) {
+    bool isVisible = true;
     for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit)) {
-      if (hit.media.isBoundary()) ++seen[mediumBefore(hit, ray.direction)];
-      if (hit.media.isBoundary() || isOpaque(hit.material)) return;
+      areBounded = areBounded || hit.media.isBoundary();
+      if (hit.media.isBoundary() && isVisible) ++seen[mediumBefore(hit, ray.direction)];
+      if (hit.media.isBoundary()) return;
+      isVisible = isVisible && !isOpaque(hit.material);
     }
   });
   const auto most = std::max_element(seen.begin(), seen.end());
-  return *most > 0 ? static_cast<uint16_t>(most - seen.begin()) : scene.cameraMedium();
+  if (*most > 0) return static_cast<uint16_t>(most - seen.begin());
+  return areBounded ? uint16_t(0) : scene.cameraMedium();
 }
 
 Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& position, float time,
@@ -124,7 +120,7 @@ Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& 
   if (isBlack(emission)) return emission;
   const Ray ray{position, glm::normalize(Vec3f(0.61f, 0.47f, 0.83f)), INFINITE, time};
   nesting = nestingAt(scene, ray, counts);
-  nesting.startIn(mediumAround(scene, ray, outside, counts));
+  nesting.startIn(mediumAround(scene, {&ray, 1}, outside, counts.rays));
   return nesting.medium(scene) == medium ? emission : BLACK;
 }
 

@@ -10,12 +10,9 @@
 
 namespace recurse {
 
-/** Medium at a ray's origin, found at the next medium boundary along the ray; `outside` if it hits no
- * boundary. */
-uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts);
-
 /** Medium around the scene: the most frequent one in front of boundaries that axis-parallel rays into the
- * scene's bounding cube hit first, or the camera's medium if they hit none. */
+ * scene's bounding cube hit first. Without any, it is the camera's medium if the rays hit no boundary behind
+ * opaque surfaces either, else a vacuum. */
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts);
 
 /** Emissive media of a scene. Positions are sampled by cells, in proportion to their probed emission. A

@@ -158,9 +158,7 @@ class PhotonWalk {
 
   /** Stores a photon. Returns false where it is parallel to the surface: no flux. */
   bool store(const PhotonPath& photon) {
-    const SurfacePoint& point = vertex.point();
-    std::optional<Photon> p =
-        photonAt(point.position, point.geometricNormal, vertex.wi, vertex.throughput, vertex.state.byte);
+    std::optional<Photon> p = photonAt(vertex.point(), vertex.wi, vertex.throughput, vertex.state.byte);
     if (!p) return false;
     p->caustic = photon.caustic;
     p->reverseRatio = photon.ratio.value();

@@ -9,7 +9,7 @@
 #include <array>
 #include <vector>
 
-#include "recurse/model/scene/scene.h"
+#include "recurse/model/scene/surroundingMedium.h"
 
 namespace recurse {
 
@@ -39,13 +39,13 @@ class Nesting {
   /** Corrects the medium before a hit to the one on this side of the boundary. The tracked medium is wrong if
    * the walk began on a boundary, or if two boundaries are coplanar and rays hit only one of them. */
   void approach(const Hit& hit, const Vec3f& direction) {
-    if (!hit.media.isBoundary() || isNested(hit) || depth != decltype(depth){}) return;
+    if (!isPassable(hit) || isNested(hit) || depth != decltype(depth){}) return;
     around = glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside : hit.media.inside;
   }
   /** Updates the medium when the walk leaves a surface in `direction`, reflected, transmitted or passed: it
    * is in the medium on that side. */
   void enterMedium(const Hit& hit, const Vec3f& direction) {
-    if (!hit.media.isBoundary()) return;
+    if (!isPassable(hit)) return;
     const bool outside = glm::dot(direction, hit.point.geometricNormal) > 0;
     if (!isNested(hit))
       around = outside ? hit.media.outside : hit.media.inside;
@@ -99,6 +99,9 @@ class Nesting {
   }
 
  private:
+  /** Boundaries that light passes. The media on both sides of others are not tracked: an opaque sheet has no
+   * inside, though a MediumInterface may give it one. */
+  static bool isPassable(const Hit& hit) { return hit.media.isBoundary() && !isOpaque(hit.material); }
   void cross(const Material& material, bool entering) {
     uint8_t& d = depth[static_cast<size_t>(material.nesting)];
     if (entering)

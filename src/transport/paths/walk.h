@@ -100,6 +100,12 @@ inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, Tran
   return scene.intersectPosition(ray, hit);
 }
 
+/** See Scene::probePosition(). */
+inline bool probePosition(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
+  ++counts.rays;
+  return scene.probePosition(ray, hit);
+}
+
 /** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): the walk's wavelength, or for
  * white light a sampled one. */
 inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sampler, Hit& hit) {

@@ -9,6 +9,7 @@
 
 #include "recurse/core/math/rgb.h"
 #include "recurse/core/math/vector.h"
+#include "recurse/model/shape/shape.h"
 
 namespace recurse {
 
@@ -67,17 +68,19 @@ inline PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
   return packed;
 }
 
-/** Photon that arrives from unit `wi` at a surface with the unit geometric `normal` of either side; nullopt
- * where it is parallel to the surface: no flux. */
-inline std::optional<Photon> photonAt(const Vec3f& position, const Vec3f& normal, const Vec3f& wi,
-                                      const Rgb& power, uint8_t pathState) {
+/** Photon that arrives from unit `wi` at a surface; nullopt where it is parallel to the surface: no flux. Its
+ * power is divided by alpha: a map is asked where a camera ray has hit the surface, and is to have the flux
+ * of all photons there, those that pass included. */
+inline std::optional<Photon> photonAt(const SurfacePoint& point, const Vec3f& wi, const Rgb& power,
+                                      uint8_t pathState) {
+  const Vec3f& normal = point.geometricNormal;
   const float cosine = glm::dot(wi, normal);
   if (cosine == 0) return {};
   Photon photon;
-  photon.position = position;
+  photon.position = point.position;
   photon.direction = packOnSide(wi, normal);
   photon.normal = packDirection(cosine < 0 ? -normal : normal);
-  photon.power = power;
+  photon.power = power / point.alpha;
   photon.pathState = pathState;
   return photon;
 }

@@ -130,6 +130,8 @@ class Scene {
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
   /** Partial intersect(): of hit.point, only position, error and geometric normal are set. */
   virtual bool intersectPosition(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }
+  /** intersectPosition() for probes of geometry: the ray hits all surfaces whose alpha is not 0. */
+  virtual bool probePosition(const Ray& ray, Hit& hit) const { return intersectPosition(ray, hit); }
   /** True where a scattering surface blocks the ray (t < ray.tMax). */
   virtual bool occluded(const Ray& ray) const = 0;
   /** Similarity of the rays in a batch: COHERENT for rays of neighbouring pixels. A hint that affects only
@@ -180,9 +182,9 @@ class Scene {
   /** Medium by its index in a MediumInterface; null: vacuum. */
   const Medium* medium(uint16_t number) const { return number ? sceneMedia[number - 1u].get() : nullptr; }
   size_t mediumCount() const { return sceneMedia.size(); }
-  /** Index of the medium around the camera: the one named, else the one whose boundary is around it. */
+  /** Index of the medium around the camera, by the surfaces around; if they bound none, the one named. */
   uint16_t cameraMedium() const { return mediumOfCamera; }
-  /** Index of the medium around a light by the scene file; for areas, on the outer side of the shape. */
+  /** Index of the medium around a finite light, found like that of the camera. */
   uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
   static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around a dielectric
   /** Index of the medium inside of a nested dielectric with priority, or SURROUNDING_MEDIUM. */

@@ -48,6 +48,7 @@ struct SurfacePoint {
   Vec2f uv; ///< surface coordinates; in [0, 1] unless a mesh has others
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; only for nested dielectrics
+  float alpha = 1;        ///< probability that a ray hits the surface here; set by Scene::intersect()
   float time = 0;         ///< Ray::time of the incident and the scattered rays
   float wavelength = 0;   ///< wavelength for dispersive refraction [nm]; 0: no dispersion
   bool isWhite = true;    ///< true: the path still has all wavelengths; `wavelength` is a sample

@@ -1,0 +1,26 @@
+/** @file
+ * Medium around a place, by the surfaces that enclose it.
+ */
+#pragma once
+
+#include <span>
+
+#include "recurse/model/scene/scene.h"
+
+namespace recurse {
+
+/** True where neither light nor a medium passes. */
+inline bool isOpaque(const Material* material) {
+  return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
+}
+
+/**
+ * Index of the medium outside of nested dielectrics, at a place where all `rays` start. Each ray is the start
+ * of a random walk, which opaque surfaces reflect and others let pass, to the first boundary of media that
+ * light passes; the most frequent medium counts. Without a boundary it is the `named` medium, or if that is 0
+ * the one that the surfaces on the way are in. Opaque sheets are no boundaries: they have no inside, though a
+ * MediumInterface may give them one. Adds the number of rays to `traced`.
+ */
+uint16_t mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named, uint64_t& traced);
+
+} // namespace recurse
