@@ -274,7 +274,8 @@ TEST(Media, AreKeptInNestedDielectrics) {
 TEST(Media, BoundariesDoNotDrawTheAlphaBehindThemAgain) {
   const std::string sheet =
       view(16, "0 -5 3  0 0 0  0 0 1", 30) +
-      "MakeNamedMedium \"thin\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1e-6 1e-6 1e-6 ]\n"
+      "MakeNamedMedium \"thin\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1e-6 1e-6 1e-6 ] \"rgb "
+      "sigma_s\" [ 0 0 0 ]\n"
       "LightSource \"point\" \"rgb I\" [ 10 10 10 ] \"point3 from\" [ 0 0 4 ]\n"
       "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"disk\" \"float radius\" 5\n"
       "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n"
