@@ -55,6 +55,7 @@ class Csg final : public Shape {
   }
 
   uint32_t primitiveCount() const override { return box.empty() ? 0 : 1; }
+  bool isQuicklySampled() const override { return false; }
   double testsOfRay() const override {
     double most = 1;
     for (const Part& p : parts) most = std::max(most, p.shape->testsOfRay());

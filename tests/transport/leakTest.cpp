@@ -132,3 +132,30 @@ TEST(DiffuseTransmission, WhatWouldAddLightIsScaledDownWithAWarning) {
   const Rendered r = renderText(text, "path", "", samples(1024));
   EXPECT_NEAR(r.mean(), 1, 4.5 * r.standardError());
 }
+
+// A ray that leaves a block through its lower face would start below a floor in the same plane.
+TEST(Leaks, FloorsAreClosedUnderBlocksThatStandOnThem) {
+  const auto meanOf = [](const std::string& floor, const std::string& block, double below,
+                         const char* integrator) {
+    const std::string scene = view(16, "0 -9 5  0 0 0  0 0 1", 25) +
+                              "MakeNamedMedium \"thin\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ "
+                              "1e-6 1e-6 1e-6 ] \"rgb sigma_s\" "
+                              "[ 0 0 0 ]\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n"
+                              "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" +
+                              floor + block + "Shape \"box\" \"point3 p1\" [ -2 -2 " +
+                              std::to_string(-below) + " ] \"point3 p2\" [ 2 2 1 ]\n";
+    return renderText(scene, integrator, "", SANITIZED ? 4 : 128).mean();
+  };
+  const std::string bilinear =
+                        "Shape \"bilinearmesh\" \"point3 P\" [ -30 -30 0  30 -30 0  -30 30 0  30 30 0 ]\n",
+                    disk = "Shape \"disk\" \"float radius\" 40\n",
+                    glass = "Material \"dielectric\" \"float eta\" 1.33\n",
+                    fog = "Material \"interface\" MediumInterface \"thin\" \"\"\n";
+  for (const std::string& floor : {bilinear, disk})
+    for (const char* integrator : {"path", "photonmap", "bdpt"}) {
+      const double tolerance = SANITIZED ? .1 : .01;
+      EXPECT_NEAR(meanOf(floor, fog, 0, integrator), .5, tolerance * .5) << floor << integrator;
+      const double sunk = meanOf(floor, glass, .01, integrator);
+      EXPECT_NEAR(meanOf(floor, glass, 0, integrator), sunk, tolerance * sunk) << floor << integrator;
+    }
+}

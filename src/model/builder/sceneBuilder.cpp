@@ -352,7 +352,7 @@ class SceneBuilder {
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
       const std::vector<ShapeGroups::Placed>& placed = shapes.groups()[i].placed;
       KeptParts::TreeKey key;
-      for (const ShapeGroups::Placed& p : placed) key.emplace_back(p.shape, scatters(*p.shape, p.material));
+      for (const ShapeGroups::Placed& p : placed) key.emplace_back(p.shape, maskOf(*p.shape, p.material));
       std::shared_ptr<GeometryGroup> tree = kept && i > 0 ? kept->trees.take(key) : nullptr;
       const bool isKept = tree != nullptr;
       if (kept && i > 0) ++(isKept ? kept->trees.kept : kept->trees.made);
@@ -381,6 +381,7 @@ class SceneBuilder {
       scene->groups.front()->addInstance(*scene->groups[i.group], track, objects.objectOf(i.from, i.partOf));
     }
     scene->groups.front()->commit();
+    scene->findTouching();
   }
 
   const SceneDescription& description;

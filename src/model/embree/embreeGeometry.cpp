@@ -6,6 +6,7 @@
 #include "model/embree/embreeScene.h"
 #include "recurse/core/sampling/sampler.h"
 #include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/surroundingMedium.h"
 #include "recurse/model/shape/curveShape.h"
 
 namespace recurse {
@@ -184,10 +185,12 @@ RTCGeometry GeometryGroup::newUserGeometry(SceneGeometry& stored) const {
   return g;
 }
 
-bool scatters(const Shape& shape, const Material* material) {
-  const auto isSeen = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
+unsigned maskOf(const Shape& shape, const Material* material) {
+  const auto scatters = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
   const std::vector<const Material*> components = shape.componentMaterials();
-  return components.empty() ? isSeen(material) : std::any_of(components.begin(), components.end(), isSeen);
+  if (components.empty())
+    return SEEN | (scatters(material) ? CASTS_SHADOW : 0u) | (isOpaque(material) ? OPAQUE : 0u);
+  return std::any_of(components.begin(), components.end(), scatters) ? SEEN | CASTS_SHADOW : SEEN;
 }
 
 void GeometryGroup::update(size_t id, const SceneGeometry& geometry) {
@@ -205,7 +208,7 @@ void GeometryGroup::add(const SceneGeometry& added) {
   RTCGeometry g = stored.mesh    ? newTriangles(*stored.mesh, stored)
                   : stored.curve ? newCurve(*stored.curve, stored)
                                  : newUserGeometry(stored);
-  rtcSetGeometryMask(g, scatters(*stored.shape, stored.material) ? SEEN | CASTS_SHADOW : SEEN);
+  rtcSetGeometryMask(g, maskOf(*stored.shape, stored.material));
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() - 1));
   rtcReleaseGeometry(g);
@@ -221,7 +224,7 @@ void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& s
     const glm::mat4 transform(sceneFromGroup.steps()[i]);
     rtcSetGeometryTransform(g, i, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &transform[0][0]);
   }
-  rtcSetGeometryMask(g, SEEN | CASTS_SHADOW);
+  rtcSetGeometryMask(g, SEEN | CASTS_SHADOW | OPAQUE);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() + instances.size()));
   rtcReleaseGeometry(g);

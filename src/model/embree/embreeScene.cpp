@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cfloat>
+#include <unordered_map>
 
+#include "recurse/core/sampling/sampler.h"
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/interrupt.h"
 #include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/surroundingMedium.h"
 
 namespace recurse {
 
@@ -95,10 +98,11 @@ EmbreeScene::EmbreeScene(std::shared_ptr<const EmbreeDevice> device)
     : device(std::move(device)),
       packets(rtcGetDeviceProperty(this->device->get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {}
 
-EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray, unsigned mask) const {
+EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray, unsigned mask, float tMin) const {
   checkInterrupted();
   RTCRayHit rayHit;
   setRay(rayHit.ray, ray, mask);
+  rayHit.ray.tnear = tMin;
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(groups.front()->scene(), rayHit);
@@ -113,7 +117,69 @@ const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
   return group->geometry(position.geometry).mesh;
 }
 
-void EmbreeScene::complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const {
+bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit& opaque) const {
+  constexpr float MIN_COSINE = 0.05f, WIDER = 64; // WIDER: largest error of the other surface over this one's
+  const Vec3f normal = magnitude(hit.point.geometricNormal);
+  const float cosine =
+      std::max(absDot(ray.direction, hit.point.geometricNormal), MIN_COSINE * glm::length(ray.direction));
+  const auto errorOf = [&](const Hit& h) { return 2 * glm::dot(normal, h.point.error) / cosine; };
+  const float error = errorOf(hit);
+  Ray near = ray;
+  near.tMax = std::min(ray.tMax, hit.t + WIDER * error);
+  const PositionHit found = nearest(near, OPAQUE, std::max(0.0f, hit.t - WIDER * error));
+  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  computeHit(found, ray.time, wanted, opaque);
+  return std::abs(opaque.t - hit.t) <= error + errorOf(opaque);
+}
+
+void EmbreeScene::findTouching() {
+  constexpr size_t OF_MESH = 256, OF_OTHERS = 32,
+                   OF_ALL = 1 << 18; // points on a mesh, on another shape, in all
+  constexpr float HEIGHT = 128;      // of the rays, over the error of the point
+  GeometryGroup& top = *groups.front();
+  const auto isAsked = [](const SceneGeometry& g) {
+    return !g.touchesOpaque && (g.compound || !isOpaque(g.material));
+  };
+  size_t count = 0;
+  std::unordered_map<const GeometryGroup*, GeometryGroup*> changeable;
+  for (const auto& group : groups) changeable.emplace(group.get(), group.get());
+  const auto forAll = [&](const auto& visit) {
+    for (size_t id = 0; id < top.allGeometries().size(); ++id) visit(top, nullptr, id);
+    for (const GeometryGroup::Instance& i : top.allInstances())
+      for (size_t id = 0; id < i.group->allGeometries().size(); ++id) visit(*changeable.at(i.group), &i, id);
+  };
+  forAll([&](GeometryGroup& group, const GeometryGroup::Instance*, size_t id) {
+    count += isAsked(group.allGeometries()[id]);
+  });
+  const size_t most = std::max<size_t>(OF_ALL / std::max<size_t>(count, 1), 1);
+  forAll([&](GeometryGroup& group, const GeometryGroup::Instance* instance, size_t id) {
+    const SceneGeometry& g = group.allGeometries()[id];
+    if (!isAsked(g)) return;
+    if (!g.shape->isQuicklySampled()) return group.setTouchesOpaque(id);
+    const size_t points = std::min(most, g.mesh ? OF_MESH : OF_OTHERS);
+    for (uint32_t i = 0; i < points && !g.touchesOpaque; ++i) {
+      Sampler sampler(0, id, i);
+      const float pick = sampler.next1D();
+      Hit hit, opaque;
+      hit.point = g.shape->sampleArea(pick, sampler.next2D()).point;
+      if (instance) transformToScene(*instance, 0, hit.point);
+      const Vec3f& normal = hit.point.geometricNormal;
+      hit.t = HEIGHT * glm::dot(magnitude(normal), hit.point.error);
+      const Ray down{hit.point.position + normal * hit.t, -normal, INFINITE, 0};
+      if (hitsOpaque(down, hit, Wanted::PLACE, opaque)) group.setTouchesOpaque(id);
+    }
+  });
+}
+
+void EmbreeScene::complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const {
+  const SceneGeometry& g = computeHit(position, ray.time, wanted, hit);
+  // A ray that is refracted into the floor under a block of glass would start below the floor.
+  if (Hit opaque; g.touchesOpaque && !isOpaque(hit.material) && hitsOpaque(ray, hit, wanted, opaque))
+    hit = opaque;
+}
+
+const SceneGeometry& EmbreeScene::computeHit(const PositionHit& position, float time, Wanted wanted,
+                                             Hit& hit) const {
   const GeometryGroup* group = groups.front().get();
   const GeometryGroup::Instance* instance = nullptr;
   if (position.instance != RTC_INVALID_GEOMETRY_ID) {
@@ -137,26 +203,27 @@ void EmbreeScene::complete(const PositionHit& position, float time, Wanted wante
   hit.shape = g.shapeIndex;
   hit.media = g.media;
   hit.object = instance ? instance->object : g.object;
+  return g;
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
   const PositionHit position = nearest(ray, SEEN);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray.time, Wanted::SURFACE, hit);
+  complete(position, ray, Wanted::SURFACE, hit);
   return true;
 }
 
 bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
   const PositionHit position = nearest(ray, SEEN);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray.time, Wanted::PLACE, hit);
+  complete(position, ray, Wanted::PLACE, hit);
   return true;
 }
 
 bool EmbreeScene::probePosition(const Ray& ray, Hit& hit) const {
   const PositionHit position = nearest(ray, SEEN | PROBES);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray.time, Wanted::PLACE, hit);
+  complete(position, ray, Wanted::PLACE, hit);
   return true;
 }
 
@@ -203,7 +270,7 @@ void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence,
       if (meshes[i]) meshes[i]->prefetchVertices(positions[i].primitive);
     for (size_t i = 0; i < count; ++i)
       if (positions[i].geometry != RTC_INVALID_GEOMETRY_ID)
-        complete(positions[i], rays[i].time, Wanted::SURFACE, hits[i]);
+        complete(positions[i], rays[i], Wanted::SURFACE, hits[i]);
       else
         hits[i].t = INFINITE;
     rays = rays.subspan(count);

@@ -16,8 +16,8 @@ class GeometryGroup;
 class CurveShape;
 
 /** Ray masks. Surfaces that emit and do not scatter are visible to rays but cast no shadow. For rays of
- * PROBES, too, surfaces with an alpha above 0 are solid. */
-constexpr unsigned SEEN = 1, CASTS_SHADOW = 2, PROBES = 4;
+ * PROBES, too, surfaces with an alpha above 0 are solid. OPAQUE surfaces are all that light does not pass. */
+constexpr unsigned SEEN = 1, CASTS_SHADOW = 2, PROBES = 4, OPAQUE = 8;
 
 /** One shape in a tree, with the attributes of hits on it. */
 struct SceneGeometry {
@@ -30,6 +30,7 @@ struct SceneGeometry {
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
   const CurveShape* curve = nullptr;  ///< the shape, if it is a curve; set by GeometryGroup::add
   bool compound = false;              ///< the shape's components have materials of their own
+  bool touchesOpaque = false;         ///< light passes the surface, and a part of it is on an opaque one
   int shapeIndex = -1;                ///< Hit::shape
   uint32_t object = 0;                ///< Hit::object, unless it is part of an instance
 };
@@ -50,8 +51,8 @@ class EmbreeDevice {
   RTCDevice handle;
 };
 
-/** True where the shape stops rays: a material of it has a lobe. */
-bool scatters(const Shape& shape, const Material* material);
+/** Mask of the rays that a shape is visible to. */
+unsigned maskOf(const Shape& shape, const Material* material);
 
 /** Shapes with a tree of their own: the top level, one object definition, or a moving shape. */
 class GeometryGroup {
@@ -67,6 +68,7 @@ class GeometryGroup {
   void add(const SceneGeometry& geometry);
   /** Sets the attributes of hits on geometry `id` of a kept tree; the shape must be the same. */
   void update(size_t id, const SceneGeometry& geometry);
+  void setTouchesOpaque(size_t id) { geometries[id].touchesOpaque = true; }
   void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
   void commit() { rtcCommitScene(tree); }
 
@@ -120,13 +122,20 @@ class EmbreeScene final : public Scene {
     HitParameters parameters;
     unsigned geometry, primitive, instance;
   };
-  PositionHit nearest(const Ray& ray, unsigned mask) const;
+  PositionHit nearest(const Ray& ray, unsigned mask, float tMin = 0) const;
   /** Finds the nearest hits of up to GROUP rays. */
   void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
   const TriangleMesh* meshOf(const PositionHit& position) const;
   /** Parts of a hit to be computed: the whole surface point, or only its position. */
   enum class Wanted { SURFACE, PLACE };
-  void complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
+  void complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const;
+  /** Computes the members of a hit. Returns the geometry. */
+  const SceneGeometry& computeHit(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
+  /** Finds an opaque surface that a ray hits in the place of a hit that light passes, within the errors of
+   * both positions. Returns false if there is none. */
+  bool hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit& opaque) const;
+  /** Sets SceneGeometry::touchesOpaque by points on the surfaces that light passes. */
+  void findTouching();
 
   std::shared_ptr<const EmbreeDevice> device;
   bool packets; ///< Embree supports packets of 8 rays on this processor

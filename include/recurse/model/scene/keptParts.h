@@ -47,8 +47,8 @@ template <class Key, class Part> class KeptByKey {
  */
 class KeptParts {
  public:
-  /** Key of a tree: each shape, and whether it scatters, which determines the rays that it is visible to. */
-  using TreeKey = std::vector<std::pair<const Shape*, bool>>;
+  /** Key of a tree: each shape, and the mask of the rays that it is visible to. */
+  using TreeKey = std::vector<std::pair<const Shape*, unsigned>>;
 
   std::shared_ptr<EmbreeDevice> device; ///< first, so that it is destroyed last
   KeptByKey<std::string, Shape> shapes;

@@ -146,6 +146,8 @@ class Shape {
   /** False for surfaces without area sampling: these cannot be lights, and sampleArea() to pdfDirection() are
    * not called; area() only where faceCount() > 0. */
   virtual bool canBeSampled() const { return true; }
+  /** False if the first sample of the area takes long, as it measures the area. */
+  virtual bool isQuicklySampled() const { return canBeSampled(); }
   /** Area of all primitives, with parts that alpha cuts out [scene units²]. */
   virtual float area() const = 0;
   /** Samples a point of the whole shape by u in [0, 1)²; pdf by area. `pick`, in [0, 1), chooses the
