@@ -134,7 +134,7 @@ TEST(DiffuseTransmission, WhatWouldAddLightIsScaledDownWithAWarning) {
 }
 
 // A ray that leaves a block through its lower face would start below a floor in the same plane.
-TEST(Leaks, FloorsAreClosedUnderBlocksThatStandOnThem) {
+TEST(TouchingSurfaces, FloorsAreClosedUnderBlocksThatStandOnThem) {
   const auto meanOf = [](const std::string& floor, const std::string& block, double below,
                          const char* integrator) {
     const std::string scene = view(16, "0 -9 5  0 0 0  0 0 1", 25) +

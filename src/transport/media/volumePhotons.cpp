@@ -29,12 +29,11 @@ struct KernelPoints {
   std::array<Float8, KERNEL_BLOCKS> x, y;
 
   KernelPoints() {
-    constexpr size_t COUNT = 8 * KERNEL_BLOCKS;
     const float goldenAngle = PI * (3 - std::sqrt(5.0f));
-    alignas(32) std::array<float, COUNT> xs, ys;
-    for (size_t i = 0; i < COUNT; ++i) {
+    alignas(32) std::array<float, 8 * KERNEL_BLOCKS> xs, ys;
+    for (size_t i = 0; i < xs.size(); ++i) {
       // The kernel's integral over a disc of radius r is 2 r² - r⁴.
-      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(COUNT);
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(xs.size());
       const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
       xs[i] = r * std::cos(phi);
       ys[i] = r * std::sin(phi);
