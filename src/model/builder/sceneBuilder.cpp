@@ -200,10 +200,10 @@ class SceneBuilder {
     Sampler sampler(0, 0, 0);
     std::vector<Ray> rays;
     const float time = scene->sceneCamera->timeAt(0);
-    const Vec2f center(scene->filmSettings.width / 2, scene->filmSettings.height / 2);
-    if (const std::optional<CameraRay> central = scene->sceneCamera->sampleRay({center}))
-      for (uint32_t i = 0; i < RAYS; ++i)
-        rays.push_back({central->origin, uniformSphere(sampler.next2D()), INFINITE, time});
+    const Vec2f size(scene->filmSettings.width, scene->filmSettings.height);
+    for (uint32_t i = 0; i < RAYS; ++i)
+      if (const std::optional<CameraRay> ray = scene->sceneCamera->sampleRay({size * sampler.next2D()}))
+        rays.push_back({ray->origin, ray->direction, INFINITE, time});
     uint16_t& ofCamera = scene->mediumOfCamera;
     ofCamera = surroundingMedium(rays, ofCamera, 0, "camera", description.camera.location);
     for (size_t i = 0; i < scene->lights().size(); ++i) {
