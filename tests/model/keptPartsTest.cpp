@@ -81,9 +81,14 @@ TEST(KeptParts, WhatDoesNotMoveIsNotBuiltAgain) {
 TEST(KeptParts, MaterialsOfKeptTreesAreThoseOfTheFrame) {
   KeptParts kept;
   std::unique_ptr<Scene> before = frameScene(world(0), &kept);
-  std::unique_ptr<Scene> next = frameScene(world(0, "dielectric"), &kept);
+  std::unique_ptr<Scene> next = frameScene(world(0, "conductor"), &kept);
   EXPECT_EQ(kept.trees.kept, 1u);
   before.reset();
+  expectTheSame(*next, *frameScene(world(0, "conductor"), nullptr));
+  // Rays that look for opaque surfaces do not see glass: a new tree.
+  before = std::move(next);
+  next = frameScene(world(0, "dielectric"), &kept);
+  EXPECT_EQ(kept.trees.kept, 0u);
   expectTheSame(*next, *frameScene(world(0, "dielectric"), nullptr));
   // A surface that no longer scatters casts no shadow: shape and tree are removed.
   before = std::move(next);

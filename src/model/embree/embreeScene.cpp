@@ -126,7 +126,9 @@ bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit&
   const float error = errorOf(hit);
   Ray near = ray;
   near.tMax = std::min(ray.tMax, hit.t + WIDER * error);
-  const PositionHit found = nearest(near, OPAQUE, std::max(0.0f, hit.t - WIDER * error));
+  const float tMin = std::max(0.0f, hit.t - WIDER * error);
+  if (!(tMin < near.tMax && near.tMax < INFINITE)) return false;
+  const PositionHit found = nearest(near, OPAQUE, tMin);
   if (found.geometry == RTC_INVALID_GEOMETRY_ID) return false;
   computeHit(found, ray.time, wanted, opaque);
   return std::abs(opaque.t - hit.t) <= error + errorOf(opaque);
@@ -138,7 +140,7 @@ void EmbreeScene::findTouching() {
   constexpr float HEIGHT = 128;      // of the rays, over the error of the point
   GeometryGroup& top = *groups.front();
   const auto isAsked = [](const SceneGeometry& g) {
-    return !g.touchesOpaque && (g.compound || !isOpaque(g.material));
+    return !g.touchesOpaque && !g.curve && (g.compound || !isOpaque(g.material));
   };
   size_t count = 0;
   std::unordered_map<const GeometryGroup*, GeometryGroup*> changeable;
@@ -163,6 +165,7 @@ void EmbreeScene::findTouching() {
       Hit hit, opaque;
       hit.point = g.shape->sampleArea(pick, sampler.next2D()).point;
       if (instance) transformToScene(*instance, 0, hit.point);
+      if (!isFinite(hit.point.position)) continue;
       const Vec3f& normal = hit.point.geometricNormal;
       hit.t = HEIGHT * glm::dot(magnitude(normal), hit.point.error);
       const Ray down{hit.point.position + normal * hit.t, -normal, INFINITE, 0};
