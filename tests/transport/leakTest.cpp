@@ -144,7 +144,7 @@ TEST(TouchingSurfaces, FloorsAreClosedUnderBlocksThatStandOnThem) {
                               "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n" +
                               floor + block + "Shape \"box\" \"point3 p1\" [ -2 -2 " +
                               std::to_string(-below) + " ] \"point3 p2\" [ 2 2 1 ]\n";
-    return renderText(scene, integrator, "", SANITIZED ? 4 : 128).mean();
+    return renderText(scene, integrator, "", SANITIZED ? 4 : 32).mean();
   };
   const std::string bilinear =
                         "Shape \"bilinearmesh\" \"point3 P\" [ -30 -30 0  30 -30 0  -30 30 0  30 30 0 ]\n",
@@ -154,7 +154,9 @@ TEST(TouchingSurfaces, FloorsAreClosedUnderBlocksThatStandOnThem) {
   for (const std::string& floor : {bilinear, disk})
     for (const char* integrator : {"path", "photonmap", "bdpt"}) {
       const double tolerance = SANITIZED ? .1 : .01;
-      EXPECT_NEAR(meanOf(floor, fog, 0, integrator), .5, tolerance * .5) << floor << integrator;
+      if (integrator != std::string("bdpt")) { // which does not render media
+        EXPECT_NEAR(meanOf(floor, fog, 0, integrator), .5, tolerance * .5) << floor << integrator;
+      }
       const double sunk = meanOf(floor, glass, .01, integrator);
       EXPECT_NEAR(meanOf(floor, glass, 0, integrator), sunk, tolerance * sunk) << floor << integrator;
     }
