@@ -179,7 +179,7 @@ class SceneBuilder {
 
   /** Medium where all rays start, the camera or a lamp, by the surfaces around. Camera paths and light paths
    * must agree about media. Warns if it is not the `named` one, but not of lamps for which none is named.
-   * `otherwise`: medium if neither a surface nor a name tells it; `what`: "camera" or "lamp". */
+   * `otherwise`: the medium where no surface and no name determines it; `what`: "camera" or "lamp". */
   uint16_t surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
                              const std::string& what, const SourceLocation& where) {
     uint64_t traced = 0;

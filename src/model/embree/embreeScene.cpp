@@ -135,9 +135,9 @@ bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit&
 }
 
 void EmbreeScene::findTouching() {
-  constexpr size_t OF_MESH = 256, OF_OTHERS = 32,
-                   OF_ALL = 1 << 18; // points on a mesh, on another shape, in all
-  constexpr float HEIGHT = 128;      // of the rays, over the error of the point
+  // Numbers of points: on a mesh, on another shape, and in all.
+  constexpr size_t OF_MESH = 256, OF_OTHERS = 32, OF_ALL = 1 << 18;
+  constexpr float HEIGHT = 128; // height at which the probing rays start, over the error of the point
   GeometryGroup& top = *groups.front();
   const auto isAsked = [](const SceneGeometry& g) {
     return !g.touchesOpaque && !g.curve && (g.compound || !isOpaque(g.material));
@@ -177,8 +177,8 @@ void EmbreeScene::findTouching() {
 void EmbreeScene::complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const {
   const SceneGeometry& g = computeHit(position, ray.time, wanted, hit);
   // A ray that is refracted into the floor under a block of glass would start below the floor.
-  if (Hit opaque; g.touchesOpaque && !isOpaque(hit.material) && hitsOpaque(ray, hit, wanted, opaque))
-    hit = opaque;
+  if (!g.touchesOpaque || isOpaque(hit.material)) return;
+  if (Hit opaque; hitsOpaque(ray, hit, wanted, opaque)) hit = opaque;
 }
 
 const SceneGeometry& EmbreeScene::computeHit(const PositionHit& position, float time, Wanted wanted,
@@ -209,25 +209,21 @@ const SceneGeometry& EmbreeScene::computeHit(const PositionHit& position, float 
   return g;
 }
 
-bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
-  const PositionHit position = nearest(ray, SEEN);
+bool EmbreeScene::find(const Ray& ray, unsigned mask, Wanted wanted, Hit& hit) const {
+  const PositionHit position = nearest(ray, mask);
   if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray, Wanted::SURFACE, hit);
+  complete(position, ray, wanted, hit);
   return true;
 }
 
+bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const { return find(ray, SEEN, Wanted::SURFACE, hit); }
+
 bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
-  const PositionHit position = nearest(ray, SEEN);
-  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray, Wanted::PLACE, hit);
-  return true;
+  return find(ray, SEEN, Wanted::PLACE, hit);
 }
 
 bool EmbreeScene::probePosition(const Ray& ray, Hit& hit) const {
-  const PositionHit position = nearest(ray, SEEN | PROBES);
-  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(position, ray, Wanted::PLACE, hit);
-  return true;
+  return find(ray, SEEN | PROBES, Wanted::PLACE, hit);
 }
 
 void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,

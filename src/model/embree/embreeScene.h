@@ -128,11 +128,14 @@ class EmbreeScene final : public Scene {
   const TriangleMesh* meshOf(const PositionHit& position) const;
   /** Parts of a hit to be computed: the whole surface point, or only its position. */
   enum class Wanted { SURFACE, PLACE };
+  /** Finds the nearest surface for rays of a mask. */
+  bool find(const Ray& ray, unsigned mask, Wanted wanted, Hit& hit) const;
+  /** Completes a hit, or an opaque one in the same place. */
   void complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const;
   /** Computes the members of a hit. Returns the geometry. */
   const SceneGeometry& computeHit(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
-  /** Finds an opaque surface that a ray hits in the place of a hit that light passes, within the errors of
-   * both positions. Returns false if there is none. */
+  /** Finds an opaque surface in the same place as a hit on a surface that light passes: nearer than the
+   * errors of both positions. Returns false if there is none. */
   bool hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit& opaque) const;
   /** Sets SceneGeometry::touchesOpaque by points on the surfaces that light passes. */
   void findTouching();

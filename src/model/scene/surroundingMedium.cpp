@@ -24,7 +24,7 @@ std::optional<uint16_t> mostFrequent(const Votes& votes) {
 }
 
 /** Adds the medium at the origin of the ray to `byBoundaries` if the walk reaches a boundary that light
- * passes, and to `bySurfaces` what a different surface says of it. */
+ * passes, and to `bySurfaces` the media that other surfaces on the way are in. */
 void addMedium(const Scene& scene, Ray ray, Sampler& sampler, Votes& byBoundaries, Votes& bySurfaces,
                uint64_t& traced) {
   constexpr int MAX_SURFACES = 16;
@@ -32,18 +32,15 @@ void addMedium(const Scene& scene, Ray ray, Sampler& sampler, Votes& byBoundarie
   for (int i = 0; i < MAX_SURFACES; ++i) {
     ++traced;
     if (!scene.intersectPosition(ray, hit)) return;
-    const bool isInside = glm::dot(ray.direction, hit.point.geometricNormal) > 0;
-    const bool isNested = hit.material && hit.material->nesting >= 0; // which has a medium of its own
-    const uint16_t here = isInside && !isNested ? hit.media.inside : hit.media.outside;
+    const uint16_t here = mediumBefore(hit, ray.direction);
     if (hit.media.isBoundary() && !isOpaque(hit.material)) {
       ++byBoundaries[here];
       return;
     }
     if (hit.media.inside != 0 || hit.media.outside != 0) ++bySurfaces[here];
-    if (isOpaque(hit.material)) {
-      const Vec3f normal = hit.point.geometricNormal * (isInside ? -1.0f : 1.0f);
-      ray.direction = Frame(normal).toWorld(cosineHemisphere(sampler.next2D()));
-    }
+    if (isOpaque(hit.material))
+      ray.direction =
+          Frame(hit.point.normalTowards(-ray.direction)).toWorld(cosineHemisphere(sampler.next2D()));
     ray.origin = hit.point.rayOrigin(ray.direction);
     ray.tMax = INFINITE;
   }

@@ -57,12 +57,6 @@ void forLinesThrough(const Bounds3f& box, int resolution, float time, const Visi
     }
 }
 
-/** Medium on the side of a boundary that the ray comes from. */
-uint16_t mediumBefore(const Hit& hit, const Vec3f& direction) {
-  return isNested(hit) || glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside
-                                                                             : hit.media.inside;
-}
-
 /** Bounds of the boundaries of a medium: whole shapes, and the points of objects that a grid of rays hits.
  * Empty if no boundary is hit. */
 Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,

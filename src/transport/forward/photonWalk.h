@@ -132,9 +132,9 @@ class PhotonWalk {
     const float count = maxComponent(flux) / splitPower;
     if (count <= 2) return 1;
     const Vec3f& position = vertex.point().position;
-    const float importance =
-        vertex.medium ? settings.region->importanceInMedium(position) : settings.region->importance(position);
-    return importance > 0 ? static_cast<int>(count) : 1;
+    const bool isVisible = vertex.medium ? settings.region->importanceInMedium(position) > 0
+                                         : settings.region->contains(position);
+    return isVisible ? static_cast<int>(count) : 1;
   }
 
   /** Reverse ratio after a non-delta event: from the light's densities at the first, else by furtherOn(). */

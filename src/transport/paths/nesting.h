@@ -13,9 +13,6 @@
 
 namespace recurse {
 
-/** True for the surface of a dielectric with a priority. */
-inline bool isNested(const Hit& hit) { return hit.material && hit.material->nesting >= 0; }
-
 /** Media and dielectrics that contain the current point; dielectrics by priority, the highest first. */
 class Nesting {
  public:
@@ -40,7 +37,7 @@ class Nesting {
    * the walk began on a boundary, or if two boundaries are coplanar and rays hit only one of them. */
   void approach(const Hit& hit, const Vec3f& direction) {
     if (!isPassable(hit) || isNested(hit) || depth != decltype(depth){}) return;
-    around = glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside : hit.media.inside;
+    around = mediumBefore(hit, direction);
   }
   /** Updates the medium when the walk leaves a surface in `direction`, reflected, transmitted or passed: it
    * is in the medium on that side. */

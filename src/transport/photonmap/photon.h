@@ -69,8 +69,8 @@ inline PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
 }
 
 /** Photon that arrives from unit `wi` at a surface; nullopt where it is parallel to the surface: no flux. Its
- * power is divided by alpha: a map is asked where a camera ray has hit the surface, and is to have the flux
- * of all photons there, those that pass included. */
+ * power is divided by alpha, so that the map has the flux on the whole surface, though a part of the photons
+ * passes it: camera rays that query the map hit the surface with probability alpha, too. */
 inline std::optional<Photon> photonAt(const SurfacePoint& point, const Vec3f& wi, const Rgb& power,
                                       uint8_t pathState) {
   const Vec3f& normal = point.geometricNormal;

@@ -184,7 +184,8 @@ class Scene {
   size_t mediumCount() const { return sceneMedia.size(); }
   /** Index of the medium around the camera, by the surfaces around; if they bound none, the one named. */
   uint16_t cameraMedium() const { return mediumOfCamera; }
-  /** Index of the medium around a finite light, found like that of the camera. */
+  /** Index of the medium around a finite light, by the surfaces around; if they bound none, the one named,
+   * else the camera's. */
   uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
   static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around a dielectric
   /** Index of the medium inside of a nested dielectric with priority, or SURROUNDING_MEDIUM. */
