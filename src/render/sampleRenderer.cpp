@@ -162,9 +162,10 @@ class EyeBatch {
 } // namespace
 
 std::string guideText(const GuideStatistics& guide) {
-  return formatted("guide: %llu cells, %.0f %% of them sampled, learned from %llu records",
+  return formatted("guide: %llu cells, %.0f %% of them sampled, learned from %llu records; squared error of "
+                   "paths without over with it: %.3g",
                    static_cast<unsigned long long>(guide.cells), 100 * guide.fractionOn(),
-                   static_cast<unsigned long long>(guide.records));
+                   static_cast<unsigned long long>(guide.records), guide.gain);
 }
 
 SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,

@@ -127,7 +127,8 @@ nlohmann::ordered_json guideJson(const std::optional<GuideStatistics>& guide) {
   return {{"cells", guide->cells},
           {"cells_on", guide->cellsOn},
           {"fraction_on", guide->fractionOn()},
-          {"records", guide->records}};
+          {"records", guide->records},
+          {"gain", guide->gain}};
 }
 
 /** Histograms of the ratio of kernel radius and footprint; "from": lower bound of each bin. */

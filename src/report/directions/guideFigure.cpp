@@ -28,7 +28,7 @@ class PointDirections {
         mixture(bsdf) {
     out.learned = integrator.directionsAt(viewed.hit.point, viewed.wi);
     out.isGuidable = bsdf.isGuidable();
-    if (out.learned.isSampled) mixture.follow(out.learned.guide);
+    mixture.follow(out.learned.guide);
   }
 
   PixelDirections directions(int64_t samples) {
@@ -183,8 +183,7 @@ std::string guideName(const PixelDirections& p) {
   if (!p.isGuidable) return "guide: never for this material";
   const auto records = static_cast<unsigned long long>(p.learned.records);
   if (!p.learned.guide) return formatted("no guide: %llu records", records);
-  return formatted("guide, %s: %llu records, gain %.2g", p.learned.isSampled ? "on" : "off", records,
-                   p.learned.gain);
+  return formatted("guide, %s: %llu records", p.learned.isSampled ? "on" : "off", records);
 }
 
 std::string panelName(const PixelDirections& p, PixelDirections::Density density) {
@@ -201,7 +200,7 @@ std::string panelName(const PixelDirections& p, PixelDirections::Density density
   case PixelDirections::BSDF:
     return withVariance("BSDF", p.bsdfVariance);
   default:
-    return withVariance(p.learned.isSampled && p.isGuidable ? "mixture" : "sampled: BSDF", p.mixtureVariance);
+    return withVariance("mixture", p.mixtureVariance);
   }
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Building of the guide: kd-trees with median splits; a density and an on/off decision for each cell.
+ * Building of the guide: kd-trees with median splits, and a density for each cell.
  */
 #include "transport/guiding/guideField.h"
 
@@ -43,34 +43,17 @@ class CellFit {
   /** Effective number of records. */
   double effectiveCount() const { return count; }
 
-  /** Tree of the records whose index modulo 2 is `remainder`; of all records if it is negative. */
-  SquareTree tree(int remainder) const {
-    std::vector<WeightedPoint> chosen;
-    for (size_t i = 0; i < records.size(); ++i) {
-      if (remainder >= 0 && static_cast<int>(i % 2) != remainder) continue;
-      const Vec3f& direction = records[i].direction;
+  /** Tree of the records. */
+  SquareTree tree() const {
+    std::vector<WeightedPoint> points;
+    for (const GuideRecord& r : records) {
       if (!frame) {
-        chosen.push_back({squareOfDirection(direction), records[i].value});
-      } else if (const Vec3f local = frame->toLocal(direction); local.z > 0) {
-        chosen.push_back({squareOfDisk({local.x, local.y}), records[i].value});
+        points.push_back({squareOfDirection(r.direction), r.value});
+      } else if (const Vec3f local = frame->toLocal(r.direction); local.z > 0) {
+        points.push_back({squareOfDisk({local.x, local.y}), r.value});
       }
     }
-    return SquareTree(chosen);
-  }
-
-  /** Mean logarithm of the density of the mixture over the density of BSDF sampling (Müller 2019, "Practical
-   * Path Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
-   * index, and scored on those with odd index. */
-  double gain() const {
-    const GuideCell half(tree(0), frame);
-    double sum = 0, total = 0;
-    for (size_t i = 1; i < records.size(); i += 2) {
-      const GuideRecord& r = records[i];
-      constexpr float A = GuideCell::BSDF_PROBABILITY;
-      sum += double(r.value) * std::log(double(A + (1 - A) * half.pdf(r.direction) / r.pdfBsdf));
-      total += double(r.value);
-    }
-    return total > 0 ? sum / total : 0;
+    return SquareTree(points);
   }
 
   std::optional<Frame> frame; ///< empty in a medium
@@ -175,30 +158,15 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
     first = end;
   }
   cells.resize(leaves.size());
-  std::vector<double> gains(leaves.size()), counts(leaves.size());
   parallelFor(leaves.size(), [&](size_t i) {
     if (leaves[i].empty()) return;
     std::sort(leaves[i].begin(), leaves[i].end());
     std::vector<GuideRecord> local;
     for (const uint32_t k : leaves[i]) local.push_back(records[k]);
     const CellFit fit(local);
-    if (fit.effectiveCount() >= MIN_EFFECTIVE) {
-      gains[i] = fit.gain();
-      counts[i] = fit.effectiveCount();
-      cells[i] = GuideCell(fit.tree(-1), fit.frame);
-    }
+    if (fit.effectiveCount() >= MIN_EFFECTIVE) cells[i] = GuideCell(fit.tree(), fit.frame);
     cells[i].records = local.size();
   });
-  // Shrinks the gains of cells with few records towards the mean of all cells (empirical Bayes).
-  const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
-  const double mean =
-      std::inner_product(gains.begin(), gains.end(), counts.begin(), 0.0) / std::max(all, 1.0);
-  for (size_t i = 0; i < cells.size(); ++i) {
-    cells[i].gain = (gains[i] * counts[i] + mean * PRIOR_COUNT) / (counts[i] + PRIOR_COUNT);
-    cells[i].on = cells[i].hasDensity && cells[i].gain >= MIN_GAIN;
-  }
-  on = static_cast<size_t>(
-      std::count_if(cells.begin(), cells.end(), [](const GuideCell& c) { return c.isOn(); }));
 }
 
 const GuideCell* GuideField::cellAt(const Vec3f& position, const Vec3f& normal) const {
@@ -209,10 +177,16 @@ const GuideCell* GuideField::cellAt(const Vec3f& position, const Vec3f& normal) 
   return &cells[nodes[node].next];
 }
 
+LearnedDirections GuideField::learnedAt(const Vec3f& position, const Vec3f& normal) const {
+  const GuideCell* cell = cellAt(position, normal);
+  return {.guide = find(position, normal), .records = cell ? cell->records : 0};
+}
+
 GuideStatistics GuideField::statistics() const {
-  GuideStatistics out{.cellsOn = on};
+  GuideStatistics out;
   for (const GuideCell& c : cells) {
     out.cells += c.records > 0;
+    out.cellsOn += c.hasDensity;
     out.records += c.records;
   }
   return out;

@@ -38,14 +38,11 @@ class GuideCell final : public DirectionGuide {
   GuideCell() = default;
   /** `frame`: of the cosine lobe; empty: the whole sphere. */
   GuideCell(SquareTree tree, const std::optional<Frame>& frame)
-      : tree(std::move(tree)), frame(frame), hasDensity(true), on(true) {}
+      : tree(std::move(tree)), frame(frame), hasDensity(true) {}
 
   /** Probability of BSDF sampling: with it a wrong tree at most doubles a path's weight at each vertex. */
   static constexpr float BSDF_PROBABILITY = 0.5f;
   float bsdfProbability() const override { return BSDF_PROBABILITY; }
-  /** False: BSDF sampling alone, even where the cell has a density. */
-  bool isOn() const { return on; }
-  LearnedDirections learned() const { return {hasDensity ? this : nullptr, on, records, gain}; }
   float pdf(const Vec3f& direction) const override;
   Vec3f sample(Vec2f u, float& density) const override;
 
@@ -54,8 +51,7 @@ class GuideCell final : public DirectionGuide {
   SquareTree tree;
   std::optional<Frame> frame;
   uint64_t records = 0;
-  double gain = 0; ///< see LearnedDirections
-  bool hasDensity = false, on = false;
+  bool hasDensity = false; ///< false: BSDF sampling alone
 };
 
 /** Directional densities of all cells, found by position and normal. */
@@ -69,25 +65,21 @@ class GuideField {
    * where only BSDF sampling, or the phase function, is used. */
   const GuideCell* find(const Vec3f& position, const Vec3f& normal) const {
     const GuideCell* cell = cellAt(position, normal);
-    return cell && cell->isOn() ? cell : nullptr;
+    return cell && cell->hasDensity ? cell : nullptr;
   }
-  /** Cell for such a point, on or off. Null before the first build(). */
-  const GuideCell* cellAt(const Vec3f& position, const Vec3f& normal) const;
+  /** The density that find() returns for such a point, and the number of its records. */
+  LearnedDirections learnedAt(const Vec3f& position, const Vec3f& normal) const;
 
   size_t cellCount() const { return cells.size(); }
-  /** Number of cells that guide. */
-  size_t cellsOn() const { return on; }
+  /** All but the gain. */
   GuideStatistics statistics() const;
 
-  static constexpr size_t MAX_RECORDS = 500;  ///< records in a cell before it is divided
-  static constexpr double MIN_EFFECTIVE = 32; ///< effective records (Kish 1965) below which a cell is off
+  static constexpr size_t MAX_RECORDS = 500; ///< records in a cell before it is divided
+  /** Effective records (Kish 1965) below which a cell has no density. */
+  static constexpr double MIN_EFFECTIVE = 32;
   /** Upper bound of the weight of a cell's photons [effective records]. Camera paths outweigh them in the
    * end: their records include the BSDF and the MIS weight of the whole ray. */
   static constexpr double MAX_PHOTONS = 256;
-  /** Weight of the mean gain of all cells in the gain of one [effective records]. */
-  static constexpr double PRIOR_COUNT = 256;
-  /** Minimum gain in mean log-likelihood over BSDF sampling; cells below it are off. */
-  static constexpr double MIN_GAIN = 0.02;
 
  private:
   struct Node {
@@ -95,13 +87,14 @@ class GuideField {
     float split = 0;
     uint32_t next = 0; ///< index of the first of two children; in a leaf, index of its cell
   };
+  /** Null before the first build(). */
+  const GuideCell* cellAt(const Vec3f& position, const Vec3f& normal) const;
   void divide(std::span<uint32_t> order, std::span<const GuideRecord> records, uint32_t node, float smallest,
               int depth, std::vector<std::span<uint32_t>>& leaves);
 
   std::vector<Node> nodes; ///< the first are the roots: one for each signed axis that a normal can be nearest
                            ///< to, and one for media
   std::vector<GuideCell> cells;
-  size_t on = 0;
 };
 
 } // namespace recurse

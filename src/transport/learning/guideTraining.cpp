@@ -16,22 +16,29 @@ namespace {
 
 using Records = std::vector<GuideRecord>;
 
+/** Training paths of a row of the film. */
+struct TrainingRow {
+  Records records;
+  double guided = 0, plain = 0; ///< sums of squared luminance, as found and as expected without a guide
+};
+
 /** Converts a camera path to records, one for each vertex left by a non-delta lobe: the light that the path
  * finds beyond the vertex, times the MIS weights with which the render would add it. */
 class TrainingPath {
  public:
-  explicit TrainingPath(Records& records) : records(records) {}
+  explicit TrainingPath(TrainingRow& row) : row(row) {}
 
   /** Adds radiance that the path has found, multiplied by its throughput. */
   void add(const Rgb& radiance) {
     const float found = luminance(radiance);
     for (Vertex& v : vertices) v.found += found;
+    guided += found;
+    plain += found * densityRatio;
   }
   /** Begins a record at a vertex that the path leaves. Its throughput is the one on arrival. */
   void leave(const CameraVertex& vertex, const Scatter& s) {
     constexpr size_t MAX_VERTICES = 32;
     const float before = luminance(vertex.throughput);
-    if (vertices.size() == MAX_VERTICES || !(before > 0)) return;
     GuideRecord r;
     r.position = vertex.point().position;
     r.direction = s.direction;
@@ -41,13 +48,21 @@ class TrainingPath {
       r.normal = vertex.point().normalTowards(vertex.wi);
       r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
     }
-    if (r.pdfBsdf > 0) vertices.push_back({r, before});
+    if (!(r.pdfBsdf > 0)) return;
+    const float pdf = vertex.medium ? static_cast<float>(vertex.pdfDirection(s.direction))
+                                    : vertex.scattering->pdfNonDelta(vertex.wi, s.direction);
+    densityRatio *= pdf / r.pdfBsdf;
+    if (vertices.size() < MAX_VERTICES && before > 0) vertices.push_back({r, before});
   }
   void finish() {
     for (Vertex& v : vertices) {
       v.record.value = v.found / v.throughput;
-      if (v.record.value > 0 && std::isfinite(v.record.value)) records.push_back(v.record);
+      if (v.record.value > 0 && std::isfinite(v.record.value)) row.records.push_back(v.record);
     }
+    const double expected = square(double(plain)) / double(densityRatio); // importance sampling
+    if (!std::isfinite(expected)) return;
+    row.guided += square(double(guided));
+    row.plain += expected;
   }
 
  private:
@@ -56,19 +71,21 @@ class TrainingPath {
     float throughput; ///< luminance of the throughput before the vertex
     float found = 0;  ///< luminance at the camera of the light found beyond
   };
-  Records& records;
+  TrainingRow& row;
   std::vector<Vertex> vertices;
+  float densityRatio = 1;      ///< density of the path's directions over that without a guide
+  float guided = 0, plain = 0; ///< luminance found, and the same path's luminance without a guide
 };
 
-Records cameraRecords(const Scene& scene, const LightSampler& lights, const GuideField& guide,
-                      const GuideTrainingSettings& settings, int resolution, uint64_t seed,
-                      const ForwardControl& control, TransportCounts& counts) {
+std::vector<TrainingRow> trainingRows(const Scene& scene, const LightSampler& lights, const GuideField& guide,
+                                      const GuideTrainingSettings& settings, int resolution, uint64_t seed,
+                                      const ForwardControl& control, TransportCounts& counts) {
   const PathClasses classes;
-  const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+  const auto follow = [&](TrainingRow& row, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& rowCounts) {
     if (control.stopped()) return;
     if (scene.hasMedia()) path.hero = drawHero(sampler.next1D());
-    TrainingPath recorder(records);
+    TrainingPath recorder(row);
     PathRadiance direct(classes, rowCounts);
     CameraVertex vertex;
     BsdfRay last;
@@ -96,8 +113,16 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
     }
     recorder.finish();
   };
-  return collectFromCameraPaths<GuideRecord>(scene, resolution, settings.maxDepth, seed, counts, follow,
-                                             InMedia::SCATTER);
+  return followCameraPaths(scene, resolution, settings.maxDepth, seed, counts, TrainingRow(), follow,
+                           InMedia::SCATTER);
+}
+
+/** See GuideStatistics. */
+double gainOf(const std::vector<TrainingRow>& rows) {
+  double sum = 0;
+  for (const TrainingRow& row : rows)
+    if (row.guided > 0 && row.plain > 0) sum += std::log(row.plain / row.guided);
+  return std::exp(sum / double(rows.size()));
 }
 
 } // namespace
@@ -156,17 +181,24 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
   constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
   constexpr size_t MAX_RECORDS = 200'000;              // 10 MB; more records improve no scene tried
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
+  constexpr int TRIAL = 2;                             // last stage of a guide that gains little
+  // Means of seven scenes and of one. In media, paths without a guide are not traced in batches either.
+  constexpr double TIME_RATIO = 1.7, TIME_RATIO_IN_MEDIA = 1.3;
   if (pass.index == 0) {
     stage = -1;
     records.clear();
     field = {};
+    gain = 0;
     emission = {};
   }
+  timeRatio = scene.hasMedia() ? TIME_RATIO_IN_MEDIA : TIME_RATIO;
+  // Later stages gain more: one that has half of the gain that is needed (in logarithm) is trained further.
+  const auto isPromising = [&] { return stage < TRIAL || gain > std::sqrt(timeRatio); };
   const PixelBounds film = scene.film().whole();
   const float smallest =
       FOOTPRINTS * scene.bounds().radius / static_cast<float>(std::max(film.width(), film.height()));
   const int last = static_cast<int>(pass.index) - 1;
-  while (stage < last && records.size() < MAX_RECORDS) {
+  while (stage < last && records.size() < MAX_RECORDS && isPromising()) {
     Pass training = pass;
     training.index = static_cast<uint32_t>(stage + 1);
     training.seed = hashCombine(pass.seed, STREAM + training.index);
@@ -175,14 +207,23 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     GuideField byPhotons;
     if (stage < 0) byPhotons.build(photons, smallest);
     const auto resolution = static_cast<int>(std::sqrt(paths));
-    const Records more = cameraRecords(scene, lights, stage < 0 ? byPhotons : field, settings, resolution,
-                                       training.seed, control, counts);
+    const std::vector<TrainingRow> rows = trainingRows(scene, lights, stage < 0 ? byPhotons : field, settings,
+                                                       resolution, training.seed, control, counts);
     if (control.stopped()) return;
+    gain = gainOf(rows);
     records.insert(records.end(), photons.begin(), photons.end());
-    records.insert(records.end(), more.begin(), more.end());
+    for (const TrainingRow& row : rows) records.insert(records.end(), row.records.begin(), row.records.end());
     field.build(records, smallest);
     ++stage;
   }
+}
+
+std::optional<GuideStatistics> GuideTraining::statistics() const {
+  if (stage < 0) return {};
+  GuideStatistics out = field.statistics();
+  if (!pays()) out.cellsOn = 0;
+  out.gain = gain;
+  return out;
 }
 
 } // namespace recurse

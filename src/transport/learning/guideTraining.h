@@ -30,7 +30,9 @@ struct GuideTrainingSettings {
 /**
  * Guide of a render, with its training. Stage k precedes pass k + 1 of Passes::doubling(). Its camera paths
  * are a fraction of the number in all passes before, and follow the guide of stage k - 1, or in stage 0 a
- * guide by its photons alone. The guide of a pass depends only on the scene, the seed and the pass.
+ * guide by its photons alone. They also show how much the guide gains: a guide that does not repay its time
+ * is not followed, and soon no longer trained. The guide of a pass depends only on the scene, the seed and
+ * the pass.
  */
 class GuideTraining {
  public:
@@ -42,23 +44,26 @@ class GuideTraining {
                const ForwardControl& control, TransportCounts& counts);
 
   /** Current guide; null: BSDF sampling everywhere. */
-  const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
-  /** Learned directions at a surface point on the side of unit `wi`, from a cell on or off; empty before the
-   * first stage. */
+  const GuideField* guide() const { return pays() ? &field : nullptr; }
+  /** Learned directions at a surface point on the side of unit `wi`, followed or not; empty before the first
+   * stage. */
   LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const {
-    const GuideCell* cell = field.cellAt(point.position, point.normalTowards(wi));
-    return cell ? cell->learned() : LearnedDirections();
+    LearnedDirections out = field.learnedAt(point.position, point.normalTowards(wi));
+    out.isSampled = out.guide && pays();
+    return out;
   }
   /** Empty before the first stage. */
-  std::optional<GuideStatistics> statistics() const {
-    return stage < 0 ? std::optional<GuideStatistics>() : field.statistics();
-  }
+  std::optional<GuideStatistics> statistics() const;
 
  private:
   std::vector<GuideRecord> photonsOfStage(const Scene& scene, const Pass& pass, double count,
                                           const ForwardControl& control, TransportCounts& counts);
 
+  bool pays() const { return gain > timeRatio; }
+
   GuideTrainingSettings settings;
+  double timeRatio = 0;     ///< processor time of a guided path over that of another one
+  double gain = 0;          ///< see GuideStatistics; of the latest stage
   int stage = -1;           ///< last completed stage; -1: none
   EmissionMixture emission; ///< learned before the first stage, for the photons of all stages
   std::vector<GuideRecord> records;

@@ -34,9 +34,6 @@ struct LearnedDirections {
   const DirectionGuide* guide = nullptr; ///< density, valid until the next pass; null: too few records
   bool isSampled = false;                ///< camera paths sample it
   uint64_t records = 0;                  ///< number from which the density was learned
-  /** Mean of log (density of the mixture / density of BSDF sampling) over the records, cross-validated. With
-   * few records it is drawn towards the mean of the whole scene. */
-  double gain = 0;
 };
 
 /** State of path guiding. */
@@ -44,6 +41,10 @@ struct GuideStatistics {
   uint64_t cells = 0;   ///< regions with records
   uint64_t cellsOn = 0; ///< number of these with a density that camera paths sample
   uint64_t records = 0; ///< photons and vertices of training paths from which all cells were learned
+  /** Second moment of camera paths without a guide over that with the guide before the latest training:
+   * geometric mean over rows of the film. Without a guide a path that has the density p with it and q without
+   * it occurs q / p times as often, with p / q times the luminance. */
+  double gain = 1;
 
   double fractionOn() const { return cells > 0 ? double(cellsOn) / double(cells) : 0; }
   bool operator==(const GuideStatistics&) const = default;
