@@ -136,6 +136,21 @@ TEST_F(CompareProgram, MarksAnExerciseByItsClasses) {
   EXPECT_TRUE(has(plain.err, "recurse stills")) << plain.err;
 }
 
+TEST_F(CompareProgram, AFloatPictureMayBeWhite) {
+  write("white.pbrt", scene() + "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n");
+  const std::vector<std::string> options = {"--resolution", "24x16", "--integrator", "path", "-q",
+                                            "--spp",        "16"};
+  std::vector<std::string> stills = {"stills", "white.pbrt", "-o", "stills"},
+                           picture = {"render", "white.pbrt", "-o", "white.exr", "--seed", "2"};
+  stills.insert(stills.end(), options.begin(), options.end());
+  picture.insert(picture.end(), options.begin(), options.end());
+  ASSERT_EQ(run(stills).status, 0);
+  ASSERT_EQ(run(picture).status, 0);
+  const Outcome marks = run({"compare", "white.exr", "stills", "--classes"});
+  EXPECT_EQ(marks.status, 0) << marks.err;
+  EXPECT_FALSE(has(marks.out, "clipped")) << marks.out;
+}
+
 TEST_F(CompareProgram, Info) {
   Image broken = constant(2);
   broken.pixels[4] = std::numeric_limits<float>::infinity();

@@ -24,7 +24,7 @@ TEST(OptionText, Sizes) {
   for (const char* bad : {"", "x", "640", "640x", "x480", "0x5", "5x0", "-1x5", "6.5x4", "1x2x3", "70000x1",
                           "a4x5", "640X480", "99999999999999x1"})
     EXPECT_THROW(parseResolution("-r", bad), Error) << bad;
-  EXPECT_EQ(parseCropWindow("-c", "0,0.5,.25,1"), (std::array{0.0f, 0.5f, 0.25f, 1.0f}));
+  EXPECT_EQ(parseCropWindow("-c", "0,0.5,.25,1"), (std::array{0.0, 0.5, 0.25, 1.0}));
   for (const char* bad : {"", "0,1,0", "0,1,0,1,0", "0,1,0,x", "1,0,0,1", "0,1,0.5,0.5", "0,2,0,1",
                           "-1,1,0,1", "0,1,,1", "nan,1,0,1"})
     EXPECT_THROW(parseCropWindow("-c", bad), Error) << bad;

@@ -51,6 +51,7 @@ inline Image grained(const Image& image, double deviation, unsigned seed) {
 /** Picture after rounding to 8 bits. */
 inline Image inEightBits(const Image& image) {
   Image out = image;
+  out.fromIntegers = true;
   for (float& value : out.pixels)
     value = linearFromSrgb(std::round(255 * srgbFromLinear(std::clamp(value, 0.0f, 1.0f))) / 255);
   return out;

@@ -61,6 +61,7 @@ Image toneMapped(const Image& light, const std::string& name) {
   settings.toneMap = plugIns().toneMaps.make(parseParameterText(name, ""), NoContext{}, diagnostics);
   diagnostics.throwIfErrors();
   Image out = develop(light, settings).picture;
+  out.fromIntegers = true;
   for (float& value : out.pixels) value = linearFromSrgb(std::round(255 * value) / 255);
   return out;
 }
@@ -212,6 +213,7 @@ TEST(MarkingReading, GammaOnTopOfSrgbIsAnEncoding) {
   for (const std::string& scene : {markingScenes::room(), markingScenes::glass()}) {
     const Stills reference = renderedStills(scene, 128, 1);
     Image picture = plainPicture(renderedStills(scene, 128, 2));
+    picture.fromIntegers = true;
     for (float& value : picture.pixels) {
       const float twice = std::pow(srgbFromLinear(std::clamp(value, 0.0f, 1.0f)), 1 / 2.2f);
       value = linearFromSrgb(std::round(255 * twice) / 255);

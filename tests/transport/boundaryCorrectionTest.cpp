@@ -552,7 +552,7 @@ TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   RadiusCache field;
   TransportCounts counts;
   const GatherSettings search = nearestWithin(20, 1);
-  field.build(*scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts);
+  field.build(*scene, map, 0, {}, search, 0, LightDetail::SMOOTH, {}, counts);
   const CachedRadius before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const CachedRadius behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);
@@ -575,7 +575,7 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
     const auto radius = [&](double alpha) {
       RadiusCache field;
       TransportCounts counts;
-      field.build(*scene, map, {}, search, alpha, LightDetail::SMOOTH, {}, counts);
+      field.build(*scene, map, 0, {}, search, alpha, LightDetail::SMOOTH, {}, counts);
       double mean = 0;
       for (int i = 0; i < 100; ++i)
         mean += double(field.at(Vec3f(-0.2f + 0.004f * float(i), 0, 0), {0, 0, 1}).radius);
@@ -618,8 +618,8 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
   RadiusCache nearest, judged;
-  nearest.build(*scene, map, seen, search, 0, LightDetail::SMOOTH, {}, counts);
-  judged.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
+  nearest.build(*scene, map, 0, seen, search, 0, LightDetail::SMOOTH, {}, counts);
+  judged.build(*scene, map, 0, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
   int smaller = 0;
   for (const VisiblePoint& v : seen) {
     const auto radius = [&](const RadiusCache& cache) {
@@ -639,9 +639,9 @@ TEST(BoundaryCorrection, DiscsOfFineLightStaySmall) {
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
   RadiusCache nearest, smooth, fine;
-  nearest.build(*scene, map, seen, search, 0, LightDetail::SMOOTH, {}, counts);
-  smooth.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
-  fine.build(*scene, map, seen, search, 2.0 / 3, LightDetail::FINE, {}, counts);
+  nearest.build(*scene, map, 0, seen, search, 0, LightDetail::SMOOTH, {}, counts);
+  smooth.build(*scene, map, 0, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
+  fine.build(*scene, map, 0, seen, search, 2.0 / 3, LightDetail::FINE, {}, counts);
   double mean = 0, meanSmooth = 0, meanFine = 0;
   for (const VisiblePoint& v : seen) {
     const auto radius = [&](const RadiusCache& cache) {
@@ -666,7 +666,7 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   const GatherSettings search = nearestWithin(8, 2);
   TransportCounts counts;
   RadiusCache cache;
-  cache.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
+  cache.build(*scene, map, 0, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
   int reach = 0;
   for (const VisiblePoint& v : seen) {
     const float away = glm::distance(v.point.position, Vec3f(0.8f, 0, 0));
@@ -685,7 +685,7 @@ TEST(BoundaryCorrection, RecordsOnAFlatFloorShareProbes) {
   for (const double alpha : {0.0, 2.0 / 3}) {
     TransportCounts counts;
     RadiusCache cache;
-    cache.build(*scene, map, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+    cache.build(*scene, map, 0, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
     double known = 0;
     for (size_t i = 0; i < cache.size(); ++i) {
       const RadiusCache::Record& record = cache.record(i);
@@ -707,7 +707,7 @@ TEST(BoundaryCorrection, ASheetCloseToTheFloorIsNotTheFloor) {
   const GatherSettings search = nearestWithin(20, 1);
   TransportCounts counts;
   RadiusCache cache;
-  cache.build(*scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts);
+  cache.build(*scene, map, 0, {}, search, 0, LightDetail::SMOOTH, {}, counts);
   for (size_t i = 0; i < cache.size(); i += 16) {
     const RadiusCache::Record& record = cache.record(i);
     const Vec3f beside = record.position + Vec3f(0.2f * record.around.flat, 0, 0);
@@ -743,12 +743,12 @@ TEST(BoundaryCorrection, PhotonsInOnePointTellNoRadius) {
           map.build(coincident);
           return map;
         }(),
-        seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+        0, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
     EXPECT_EQ(ofThose.size(), 0u);
     EXPECT_GT(ofThose.at(point, {0, 0, 1}).radius, 0);
     PhotonMap map;
     map.build(all);
-    cache.build(*scene, map, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+    cache.build(*scene, map, 0, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
     EXPECT_GT(cache.size(), 0u);
     for (size_t i = 0; i < cache.size(); ++i) EXPECT_GT(cache.record(i).radius, 0);
     EXPECT_GT(cache.at(point, {0, 0, 1}).radius, 0);

@@ -139,6 +139,64 @@ TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
   for (const Way& way : dealt(ways, 1)) expectAgreement(*scene, way, classes, truth);
 }
 
+namespace {
+
+/** A lamp above a floor before an upright plate, whose parameters and material are given. */
+std::string floorAndPlate(const std::string& plate) {
+  return view(16, "0 1.6 -5  0 .9 0  0 1 0", 42) + R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 9 8 7 ]
+Translate 0 3 -1.5
+Shape "sphere" "float radius" .5
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
+)" + plate;
+}
+
+/** Photons agree with paths on LDDE, most of which the floor reflects to the plate. */
+void expectPhotonsOnThePlate(const std::string& plate) {
+  const auto scene = sceneFrom(floorAndPlate(plate));
+  const PathClasses classes(std::vector<PathClass>{{"indirect", "LDDE"}});
+  const BatchMeans paths = classMeans(*scene, {"path", ""}, classes, samples(256), 4);
+  for (const Way& way : {Way{"photonmap", ""}, {"photonmap", "\"string direct\" \"photons\""}, {"vcm", ""}}) {
+    const BatchMeans photons = classMeans(*scene, way, classes, samples(48), 4);
+    EXPECT_NEAR(photons.mean(0), paths.mean(0),
+                SIGMAS * std::hypot(photons.standardError(0), paths.standardError(0)) +
+                    PHOTON_BIAS * paths.mean(0))
+        << way.integrator << " " << way.parameters;
+  }
+}
+
+} // namespace
+
+TEST(ClassAgreement, PhotonsOfAMovingPlateAreWhereItIs) {
+  expectPhotonsOnThePlate(R"(
+ActiveTransform EndTime
+Translate 0 0 1
+ActiveTransform All
+Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
+)");
+}
+
+TEST(ClassAgreement, PhotonsOfAMaterialChosenAtRandomCountForTheWholeSurface) {
+  // A mirror with bumps is mixed with a diffuse material: each hit chooses one of them.
+  expectPhotonsOnThePlate(R"(
+Texture "flat" "float" "constant" "float value" 0
+MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
+MakeNamedMaterial "white" "string type" "diffuse"
+Material "mix" "string materials" [ "mirror" "white" ] "float amount" .4
+Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
+)");
+}
+
+TEST(ClassAgreement, PhotonsOnAnAlphaSheetCountForTheWholeSheet) {
+  expectPhotonsOnThePlate(R"(
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ] "float alpha" .4
+)");
+}
+
 TEST(ClassAgreement, LayersOfACoverAddUp) {
   namespace fs = std::filesystem;
   const ThreadPool pool;

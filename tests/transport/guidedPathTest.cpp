@@ -158,6 +158,24 @@ TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {
   EXPECT_GT(found, 0);
 }
 
+TEST(GuidedPath, StagesOfAMovingSceneHaveTimesOfTheirOwn) {
+  const auto scene = sceneFrom(slitRoom() + R"(
+ActiveTransform EndTime
+Translate 0 .3 0
+ActiveTransform All
+Shape "sphere" "float radius" .2
+)");
+  ASSERT_TRUE(scene->moves());
+  LightSampler lights;
+  TransportCounts counts;
+  std::array<GuideTraining, 2> trainings{GuideTraining({}), GuideTraining({})};
+  for (size_t i = 0; i < 2; ++i) { // a render that is continued trains all stages in a later pass
+    Pass pass{5, 3, PassSchedule::DOUBLING, 0.4f * float(i + 1)};
+    trainings[i].prepare(*scene, lights, pass, {}, counts);
+  }
+  EXPECT_EQ(trainings[0].statistics(), trainings[1].statistics());
+}
+
 TEST(GuidedPath, ASecondRenderByTheSameIntegratorForgetsTheFirst) {
   const auto scene = sceneFrom(slitRoom());
   const PathClasses classes;

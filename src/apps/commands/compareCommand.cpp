@@ -181,12 +181,14 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       ->add_option("--fail-above", o.failAbove,
                    "Exit status 1 if the measure is larger than this; may be repeated")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all()
       ->type_name("METRIC=NUMBER");
   command
       ->add_option("--fail-below", o.failBelow,
                    "Exit status 1 if the measure is smaller than this: for psnr and mean_ratio")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all()
       ->type_name("METRIC=NUMBER");
   command->footer(

@@ -426,6 +426,7 @@ void addConvergeCommand(CLI::App& app, Command& chosen) {
                    "Settings with a name; may be repeated. Any option of 'recurse render' that changes the "
                    "picture (default: path and photonmap)")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all()
       ->type_name("NAME=\"OPTIONS\"");
   o.render.addTo(*command);

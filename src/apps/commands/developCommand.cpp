@@ -88,6 +88,7 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
       ->required()
       ->type_name("FILE")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command->add_flag("--sheet", o.sheet, "Write a contact sheet of all tone operators instead of one picture");
   command->add_option("--frame-rate", o.frameRate, "Frames per second of .apng and .mp4 (default: 24)")

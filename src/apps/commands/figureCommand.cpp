@@ -83,6 +83,7 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
   command->add_option("--pixel", o.pixels, "guide: pixel whose surface point is drawn, may be repeated")
       ->type_name("X,Y")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command->add_option("--stages", o.stages, "guide: stages of training, 1 to 20 (default: 8)")
       ->type_name("N");

@@ -186,6 +186,7 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
                    "Pixel to record paths of, may be repeated (default: a grid of 24 pixels)")
       ->type_name("X,Y")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command
       ->add_option("--path-samples", o.pathSamples,
@@ -211,6 +212,7 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
                    "(default: the classes of 'recurse stills')")
       ->type_name("NAME=EXPR")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   o.render.addTo(*command);
   command->footer(

@@ -119,6 +119,7 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
       ->add_option("-o,--output", o.outputs, "Picture to write, may be repeated; formats of 'recurse render'")
       ->type_name("FILE")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint that can be merged again")
       ->type_name("FILE");

@@ -364,6 +364,7 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
                        ", any other integrator; or NAME=\"OPTIONS\" with options of 'recurse render' "
                        "(default: all methods of this list)")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all()
       ->type_name("NAME[=\"OPTIONS\"]");
   o.render.addTo(*command);

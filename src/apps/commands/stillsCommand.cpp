@@ -139,6 +139,7 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
           "classes that add up to the whole picture, and six more for scenes with media)")
       ->type_name("NAME=EXPR")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   command
       ->add_option("--by", o.by,

@@ -52,7 +52,7 @@ SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& descrip
   const auto film = plugIns().films.make(directive, {}, told, true);
   if (!film) return overrides;
   if (overrides.width == 0 && overrides.cropWindow[0] == overrides.cropWindow[1]) {
-    const auto part = [](int x, int size) { return float(x) / float(size); };
+    const auto part = [](int x, int size) { return double(x) / double(size); };
     overrides.cropWindow = {part(film->crop.x0, film->width), part(film->crop.x1, film->width),
                             part(film->crop.y0, film->height), part(film->crop.y1, film->height)};
   }

@@ -96,6 +96,8 @@ void IntegratorOptions::addTo(CLI::App& command) {
       .add_option("--set", settings,
                   "Any other parameter of the integrator, see 'recurse reference'; may be repeated")
       ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
 }
 

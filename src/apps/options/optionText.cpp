@@ -85,14 +85,14 @@ std::array<int, 2> parseResolution(const std::string& option, const std::string&
   return size;
 }
 
-std::array<float, 4> parseCropWindow(const std::string& option, const std::string& text) {
+std::array<double, 4> parseCropWindow(const std::string& option, const std::string& text) {
   const std::vector<std::string> parts = split(text, ',');
-  std::array<float, 4> window{};
+  std::array<double, 4> window{};
   bool good = parts.size() == 4;
   for (size_t i = 0; good && i < 4; ++i) {
     const std::optional<double> value = realOf(parts[i]);
     good = value && *value >= 0 && *value <= 1;
-    if (good) window[i] = static_cast<float>(*value);
+    if (good) window[i] = *value;
   }
   if (!good || !(window[0] < window[1]) || !(window[2] < window[3]))
     fail(option, text, "a window; write x0,x1,y0,y1 with 0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1");

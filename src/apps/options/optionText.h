@@ -26,7 +26,7 @@ std::vector<std::string> split(const std::string& text, char separator);
 /** Width and height, "640x480". */
 std::array<int, 2> parseResolution(const std::string& option, const std::string& text);
 /** Crop window, "x0,x1,y0,y1", each in [0, 1]. */
-std::array<float, 4> parseCropWindow(const std::string& option, const std::string& text);
+std::array<double, 4> parseCropWindow(const std::string& option, const std::string& text);
 /** A whole number in [minimum, maximum]; "1000000", "1e6", "1M" and "1000k" are the same. */
 int64_t parseCount(const std::string& option, const std::string& text, int64_t minimum, int64_t maximum);
 /** Pixel "X,Y" within a crop window. */

@@ -269,6 +269,7 @@ void RenderCommandOptions::addTo(CLI::App& command) {
           "--sample-range with a --checkpoint)")
       ->type_name("FILE")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   render.addTo(command);
   command
@@ -281,6 +282,7 @@ void RenderCommandOptions::addTo(CLI::App& command) {
                   "caustic.B; may be repeated")
       ->type_name("NAME=EXPR")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all();
   develop.addTo(command);
   addCheckpointOptions(command, *this);

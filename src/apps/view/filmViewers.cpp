@@ -92,6 +92,7 @@ void ViewerOptions::addTo(CLI::App& command) {
                   "localhost and this machine's addresses")
       ->type_name("NAME")
       ->expected(1)
+      ->allow_extra_args(false)
       ->take_all()
       ->group(group);
   command

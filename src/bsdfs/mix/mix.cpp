@@ -110,6 +110,12 @@ class Choice {
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
     return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < coverage.second(point) ? 1 : 0];
   }
+  /** Probability that the chosen material keeps photons. */
+  float chanceOfPhotons(const SurfacePoint& point) const {
+    const float second = coverage.second(point);
+    const auto keeps = [](const Material* m) { return (m->lobes() & NON_DELTA_LOBES) != 0; };
+    return (keeps(parts[0]) ? 1 - second : 0) + (keeps(parts[1]) ? second : 0);
+  }
 
  private:
   Parts parts;
@@ -120,7 +126,10 @@ class ChosenDetail final : public SurfaceDetail {
  public:
   explicit ChosenDetail(const Choice& choice) : choice(choice) {}
   void apply(SurfacePoint& point) const override {
-    if (const Material& chosen = choice.at(point); chosen.detail) chosen.detail->apply(point);
+    const Material& chosen = choice.at(point);
+    // Camera rays read the photons of all points where the chosen material reads any.
+    if (const float chance = choice.chanceOfPhotons(point); chance > 0) point.alpha *= chance;
+    if (chosen.detail) chosen.detail->apply(point);
   }
 
  private:

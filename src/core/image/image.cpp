@@ -306,8 +306,9 @@ Image readImage(const FileReference& file) try {
   for (int i : order) names.push_back(spec.channelnames[size_t(i)]);
   if (grey) std::copy_n(std::array{"R", "G", "B"}.begin(), 3, names.begin());
   Image image(spec.width, spec.height, names);
-  const bool coded = !spec.format.is_floating_point() &&
-                     lowerCase(spec.get_string_attribute("oiio:ColorSpace", "sRGB")) != "linear";
+  image.fromIntegers = !spec.format.is_floating_point();
+  const bool coded =
+      image.fromIntegers && lowerCase(spec.get_string_attribute("oiio:ColorSpace", "sRGB")) != "linear";
   const size_t count = size_t(spec.width) * size_t(spec.height);
   for (size_t i = 0; i < count; ++i)
     for (size_t c = 0; c < order.size(); ++c) {

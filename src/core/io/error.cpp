@@ -135,7 +135,7 @@ std::string Diagnostics::format() const {
     const std::vector<const Diagnostic*>& all = same[{d.severity, d.message, d.accepted}];
     if (all.front() != &d) continue;
     out += d.format();
-    if (all.size() > 1)
+    if (all.size() > 1 && d.location.source)
       out += "    and " + std::to_string(all.size() - 1) + " more like it: " + placesOf(all) + "\n";
   }
   return out;

@@ -30,6 +30,7 @@ constexpr double MERGE_PIXELS = 1.5;
 /** Probes the surfaces around vertices of camera paths. Merges close to them need no probe rays of their own,
  * which would be most of the rays. The vertices take the place of photons in the cache. */
 RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) {
+  if (scene.moves()) return {}; // merges at other times could not use them
   constexpr int ACROSS = 64, MAX_DEPTH = 4, NEAREST = 12;
   constexpr uint64_t STREAM = 0x4d45524745ull;
   PhotonMap map;
@@ -45,7 +46,7 @@ RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) {
   search.nearest = NEAREST;
   search.radius = scene.bounds().radius;
   RadiusCache surfaces;
-  surfaces.build(scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
+  surfaces.build(scene, map, 0, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
   return surfaces;
 }
 

@@ -248,12 +248,16 @@ class Bidirectional::CameraWalk {
   /** Adds technique M_s: merges with all photons within the radius. */
   void addPhotons() {
     const SurfacePoint& point = vertex.point();
-    GatherRegion region{point.position, point.normalTowards(vertex.wi), static_cast<float>(radius),
-                        GatherSettings().flatness, (vertex.scattering->lobes() & TRANSMISSION) != 0};
+    GatherRegion region{point.position,
+                        point.normalTowards(vertex.wi),
+                        static_cast<float>(radius),
+                        GatherSettings().flatness,
+                        (vertex.scattering->lobes() & TRANSMISSION) != 0,
+                        point.time};
     ++out.counts.gathers;
     if (!anyWithin(owner.photons, region)) return;
     const CachedRadius surface = owner.surfaces.at(region.center, region.normal);
-    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_STREAM), surface.known, surface.away};
+    BoundaryCorrection boundary = correctionAt(scene, sampler.fork(BOUNDARY_STREAM), surface);
     const float covered =
         coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
     supportArea = double(PI) * square(double(region.radius)) * double(covered);
@@ -278,8 +282,10 @@ class Bidirectional::CameraWalk {
     const Rgb f = vertex.scattering->value(vertex.wi, y.wi);
     if (isBlack(f)) return;
     ++out.counts.photonsFound;
-    // Photon density is per area of the geometric surface, unlike shading normals (Veach 1997, eq. 5.19).
-    const float area = absDot(y.wi, y.point.shadingNormal) / absDot(y.wi, y.point.geometricNormal);
+    // Photon density is per area of the geometric surface, unlike shading normals (Veach 1997, eq. 5.19), and
+    // of the whole surface: a photon stands for all those that alpha let through, see photonAt().
+    const float area =
+        absDot(y.wi, y.point.shadingNormal) / (absDot(y.wi, y.point.geometricNormal) * y.point.alpha);
     const Rgb radiance = vertex.throughput * f * y.throughput *
                          static_cast<float>(double(area) / (owner.lightPaths * supportArea));
     copyVertices();

@@ -20,8 +20,8 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
-  const bool shared =
-      settings.finalGather > 0 && settings.shareIrradiance && oneClass && !classes.isTransient();
+  const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass &&
+                      !classes.isTransient() && !scene.moves();
   irradiances.reset(shared ? photons.indirect().cache.size() : 0);
   causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
   return statistics;

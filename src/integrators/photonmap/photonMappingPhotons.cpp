@@ -42,7 +42,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
       const RadiusCache::Record& record = layer.cache.record(query.cached.index);
       BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.cached.index)),
                                   &record.around};
-      return irradiance(layer.map, search, record.position, record.normal, record.error,
+      return irradiance(layer.map, search, {.center = record.position, .normal = record.normal}, record.error,
                         settings.edges ? &boundary : nullptr, counts);
     });
     if (!isBlack(e))
@@ -56,8 +56,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
   }
   const float footprint = path.walk.width * photons.scale();
   beginEstimate();
-  BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.cached.known,
-                              query.cached.away};
+  BoundaryCorrection boundary = correctionAt(scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.cached);
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(),
              path.walk.state, out, settings.edges ? &boundary : nullptr, &sampler, path.walk.optical);

@@ -64,7 +64,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   buildMaps(scene, pass, std::move(shot), statistics);
   if (pass.index == 0) {
     const ProcessorTimer timer(statistics.learningSeconds);
-    learnRadii(scene, classes, shadowRays, statistics);
+    learnRadii(scene, classes, shadowRays, pass.time, statistics);
   }
   return statistics;
 }

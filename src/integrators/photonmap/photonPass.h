@@ -145,7 +145,7 @@ class PhotonPass {
   /** Selects the media that store beams, and the fractions of photons and beams to store. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
-  void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
+  void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays, float time,
                   ForwardStatistics& statistics);
   /** Mean relative variance of the caustics that one camera ray finds, over visible points. */
   double causticVarianceAt(std::span<const VisiblePoint> seen) const;

@@ -10,7 +10,7 @@
 namespace recurse {
 
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
-                            ForwardStatistics& statistics) {
+                            float time, ForwardStatistics& statistics) {
   const float counted = static_cast<float>(emitted);
   const LightSampler* sampled = settings.directLight ? nullptr : &shadowRays;
   const RayAlternative toIndirect{counted, sampled};
@@ -48,7 +48,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
                                  isCaustic ? discarded : statistics);
     if (!progressive && !settings.edges) continue;
-    layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
+    layer->cache.build(scene, layer->map, time, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
                        detail, isCaustic ? toCaustics : toIndirect, statistics.counts,
                        settings.without != Mechanism::JUDGED_RADII);
   }

@@ -100,7 +100,7 @@ class SceneBuilder {
         f.crop = f.whole();
       }
       const auto& w = overrides.cropWindow;
-      if (w[1] > w[0]) f.crop = cropOf(f, double(w[0]), double(w[1]), double(w[2]), double(w[3]));
+      if (w[1] > w[0]) f.crop = cropOf(f, w[0], w[1], w[2], w[3]);
       if (f.crop.x0 >= f.crop.x1 || f.crop.y0 >= f.crop.y1)
         throw Error("the crop window contains no pixel", ExitStatus::BAD_USAGE);
     }

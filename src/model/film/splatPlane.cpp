@@ -47,13 +47,16 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
       const float weight = filter.value(film - Vec2f(x, y) - 0.5f);
       if (weight == 0) continue;
       const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
+      // Crops round as the whole picture does.
+      const uint64_t here =
+          hashCombine(place, hashCombine(static_cast<uint32_t>(x), static_cast<uint32_t>(y)));
       const auto addToLayer = [&](size_t layer) {
         const size_t index = (pixel * layers + layer) * 3;
         for (int c = 0; c < 3; ++c)
           if (value[c] != 0) {
             const double contribution = double(value[c]) * double(weight);
             addTo(sums[index + size_t(c)], contribution / unitOfSums, LARGEST,
-                  keyOf(place, index + size_t(c), contribution));
+                  keyOf(here, layer * 3 + size_t(c), contribution));
           }
       };
       for (uint64_t rest = layerSet; rest != 0; rest &= rest - 1)
@@ -62,9 +65,9 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
       // Saturation is counted at the colours already, so that luminance is only clamped.
       const double units =
           std::clamp(double(recurse::luminance(value)) * double(weight) / unitOfSums, -LARGEST, LARGEST);
-      addTo(moments[pixel].luminance, units, LARGEST, keyOf(place, ~pixel, units));
+      addTo(moments[pixel].luminance, units, LARGEST, keyOf(here, ~uint64_t(0), units));
       addTo(moments[pixel].square, units * (units / SQUARE_SCALE), LARGEST_SQUARE,
-            keyOf(~place, ~pixel, units));
+            keyOf(here, ~uint64_t(1), units));
     }
 }
 

@@ -18,17 +18,9 @@ constexpr int REGIONS = 20;
 /** Difference of the last two steps of eight bits, halved. */
 constexpr float LAST_STEP = 1 / 512.0f;
 
-bool isBelowWhite(const Image& picture) {
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
-      if (const Rgb value = picture.rgb(x, y); isFinite(value) && maxComponent(value) > 1 + LAST_STEP)
-        return false;
-  return true;
-}
-
-Image clippedPixels(const Image& picture, bool isDisplayFormat) {
+Image clippedPixels(const Image& picture) {
   Image out(picture.width, picture.height, {"R", "G", "B"});
-  if (!isDisplayFormat) return out;
+  if (!picture.fromIntegers) return out;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x)
       std::fill_n(out.at(x, y), 3, maxComponent(picture.rgb(x, y)) >= 1 - LAST_STEP ? 1.0f : 0.0f);
@@ -60,9 +52,9 @@ int cellSide(const Image& picture) {
 } // namespace
 
 Exercise::Exercise(const Image& picture, const Stills& reference)
-    : picture(picture), reference(reference), isDisplayFormat(isBelowWhite(picture)),
-      clipped(clippedPixels(picture, isDisplayFormat)), usable(withoutClipped(picture, clipped)),
-      side(cellSide(picture)), layers(reference.layers.size() - 1) {}
+    : picture(picture), reference(reference), clipped(clippedPixels(picture)),
+      usable(withoutClipped(picture, clipped)), side(cellSide(picture)), layers(reference.layers.size() - 1) {
+}
 
 double Exercise::clippedFraction() const {
   return std::accumulate(clipped.pixels.begin(), clipped.pixels.end(), 0.0) / double(clipped.pixels.size());

@@ -13,9 +13,8 @@ constexpr int REGION_CELLS = 8;
 struct Exercise {
   const Image& picture;
   const Stills& reference;
-  bool isDisplayFormat; ///< no value is above white, as in PNG files
-  Image clipped;        ///< R, G, B: 1 where a channel of the pixel is clipped, else 0
-  Image usable;         ///< R, G, B of the picture; NaN where it is clipped
+  Image clipped; ///< R, G, B: 1 where a channel of the pixel is clipped, else 0
+  Image usable;  ///< R, G, B of the picture; NaN where it is clipped
   int side;      ///< side of a cell [pixels], even, so that both halves of the checkerboard are in each
   size_t layers; ///< number of classes
 

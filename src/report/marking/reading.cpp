@@ -122,7 +122,7 @@ double scoreOf(const Exercise& exercise, const Reading& reading, const ReadMarks
       addScaled();
     else
       mistakes += mark.state == ClassState::MISSING || mark.state == ClassState::DOUBLED;
-  const double curvePrior = exercise.isDisplayFormat ? DISPLAYED_TONE_CURVE_PRIOR : TONE_CURVE_PRIOR;
+  const double curvePrior = exercise.picture.fromIntegers ? DISPLAYED_TONE_CURVE_PRIOR : TONE_CURVE_PRIOR;
   const PictureChange& change = reading.curve ? alignment : reading.alignment.change;
   const double prior = priorScore(change, picture.width, picture.height) -
                        2 * std::log(reading.curve ? curvePrior : 1 - curvePrior) -

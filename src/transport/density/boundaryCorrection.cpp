@@ -59,9 +59,9 @@ float freeHeight(const Neighbourhood& around, float radius) {
 /** Distance from a wall below which a point counts as on the wall [scene units]. */
 float wallMargin(const GatherRegion& region, float error) { return 1e-3f * region.radius + 2 * error; }
 
-/** Ray from `height` above a point of the tangent plane to the same distance below it. */
-Ray downThrough(const Vec3f& position, const Vec3f& normal, float height) {
-  return {position + normal * height, -normal, 2 * height};
+/** Ray from `height` above a point of the region's tangent plane to the same distance below it. */
+Ray downThrough(const GatherRegion& region, const Vec3f& position, float height) {
+  return {position + region.normal * height, -region.normal, 2 * height, region.time};
 }
 
 /** Directions in a plane, at equal angles with a random rotation. */
@@ -75,12 +75,13 @@ template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn
   return all;
 }
 
-/** Depth of the next surface below a point, up to `most`; infinite if there is none. */
-float depthBelow(const Scene& scene, const Vec3f& position, const Vec3f& normal, float error, float most,
-                 TransportCounts& counts) {
+/** Depth of the next surface below a point of the region, up to `most`; infinite if there is none. */
+float depthBelow(const Scene& scene, const GatherRegion& region, const Vec3f& position, float error,
+                 float most, TransportCounts& counts) {
   const float start = 4 * error; // start below the surface itself
   Hit hit;
-  if (!intersectNonDelta(scene, {position - normal * start, -normal, most - start}, hit, counts))
+  if (!intersectNonDelta(scene, {position - region.normal * start, -region.normal, most - start, region.time},
+                         hit, counts))
     return INFINITE;
   return start + hit.t;
 }
@@ -98,8 +99,8 @@ std::array<float, N> findWalls(const Scene& scene, float error, const GatherRegi
     const Vec3f start = region.center + region.normal * height;
     for (size_t i = 0; i < N; ++i) {
       Hit hit;
-      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, distances[i])}, region.normal,
-                         hit, counts))
+      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, distances[i]), region.time},
+                         region.normal, hit, counts))
         continue;
       distances[i] = hit.t;
       Vec3f normal = hit.point.geometricNormal;
@@ -113,10 +114,10 @@ std::array<float, N> findWalls(const Scene& scene, float error, const GatherRegi
   };
   const float low = std::max(RISE * region.radius, 2 * error);
   lookAlong(low);
-  found.depth = depthBelow(scene, region.center, region.normal, error, found.heightKnown(), counts);
+  found.depth = depthBelow(scene, region, region.center, error, found.heightKnown(), counts);
   const Vec3f start = region.center + region.normal * low;
-  if (Hit above;
-      intersectFirst(scene, {start, region.normal, found.heightKnown() - low}, above, counts, castsShadow))
+  if (Hit above; intersectFirst(scene, {start, region.normal, found.heightKnown() - low, region.time}, above,
+                                counts, castsShadow))
     found.clearance = glm::distance(region.center, above.point.position);
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
   return distances;
@@ -183,7 +184,7 @@ class SurfaceProbe {
   /** Cosine between the normals of surface and plane; 0 if there is no surface. */
   float cosine(const Vec3f& position) {
     Hit hit;
-    if (!intersectNonDelta(scene, downThrough(position, region.normal, start), hit, counts)) return 0;
+    if (!intersectNonDelta(scene, downThrough(region, position, start), hit, counts)) return 0;
     lastHeight = std::abs(glm::dot(hit.point.position - region.center, region.normal));
     return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
   }
@@ -243,10 +244,10 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
     const float distance = RINGS[i % 2 == 0 ? 1 : 2] * region.radius;
     Hit hit;
     if (walls[i] > distance &&
-        intersectNonDelta(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
+        intersectNonDelta(scene, downThrough(region, region.center + rays[i] * distance, height), hit,
                           counts))
-      found.depth = std::min(found.depth, depthBelow(scene, hit.point.position, region.normal, error,
-                                                     found.heightKnown(), counts));
+      found.depth = std::min(
+          found.depth, depthBelow(scene, region, hit.point.position, error, found.heightKnown(), counts));
   }
   SurfaceProbe probe(scene, error, region, height, counts);
   float before = 0;
@@ -307,9 +308,10 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
       const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
       const float start = std::max(height, free); // geometry above the support hides the surface below
       Hit hit;
-      if (!intersectNonDelta(boundary.scene,
-                             {region.center + offset + region.normal * start, -region.normal, start + height},
-                             hit, counts) ||
+      if (!intersectNonDelta(
+              boundary.scene,
+              {region.center + offset + region.normal * start, -region.normal, start + height, region.time},
+              hit, counts) ||
           !region.unclipped(hit.point.position - region.center))
         continue;
       const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));

@@ -361,7 +361,8 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   if (map.empty()) return result;
   const GatherRegion region{.center = point.position,
                             .normal = point.normalTowards(eye),
-                            .bothSides = (scattering.lobes() & TRANSMISSION) != 0};
+                            .bothSides = (scattering.lobes() & TRANSMISSION) != 0,
+                            .time = point.time};
   thread_local PhotonScratch scratch;
   // Detail below a pixel is only noise: the support is at least as wide as the pixel.
   const Support support = findKernelSupport(map, settings, region, glm::length(point.error), footprint / 2,
@@ -406,11 +407,10 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   return result;
 }
 
-Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
-               const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts) {
+Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region, float error,
+               BoundaryCorrection* boundary, TransportCounts& counts) {
   ++counts.gathers;
   if (map.empty()) return BLACK;
-  const GatherRegion region{.center = position, .normal = normal};
   thread_local PhotonScratch scratch;
   const Support support = findKernelSupport(map, settings, region, error, 0, boundary, scratch, counts);
   if (support.empty) return BLACK;
@@ -420,8 +420,9 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
         if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
-          shares[lane] = photonWeight(block.reverseRatios[lane], mergeDensity,
-                                      absDot(block.direction(lane), normal) * INV_PI, settings.unknownWeight);
+          shares[lane] =
+              photonWeight(block.reverseRatios[lane], mergeDensity,
+                           absDot(block.direction(lane), region.normal) * INV_PI, settings.unknownWeight);
         return weight * Float8::load(shares);
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);

@@ -80,10 +80,10 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                     CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary = nullptr,
                     const Sampler* sampler = nullptr, const OpticalPath& optical = {});
 
-/** Irradiance [W/m²] of a Lambertian surface by the same estimate, on the side of the unit geometric
- * normal. Photons are weighted for a kernel of `settings.radius`. `error`: bound of the error of the
+/** Irradiance [W/m²] of a Lambertian surface by the same estimate, at the centre of `region` on the side of
+ * its normal. Photons are weighted for a kernel of `settings.radius`. `error`: bound of the error of the
  * position. */
-Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
-               const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts);
+Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region, float error,
+               BoundaryCorrection* boundary, TransportCounts& counts);
 
 } // namespace recurse

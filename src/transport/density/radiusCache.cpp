@@ -19,12 +19,13 @@ namespace {
 
 /** Finds the surface on which a photon was stored, by a ray along the photon's path that is short compared to
  * `near`; nullopt if the ray hits nothing. */
-std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, float near,
+std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, float near, float time,
                                       TransportCounts& counts) {
   const Vec3f direction = unpackDirection(photon.direction);
   const float start = 0.01f * near;
   Hit hit;
-  if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts)) return {};
+  if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start, time}, hit, counts))
+    return {};
   hit.point.geometricNormal = hit.point.normalTowards(direction);
   return VisiblePoint{hit.point, 0, hit.material && (hit.material->lobes() & TRANSMISSION)};
 }
@@ -66,8 +67,8 @@ class RecordFitter {
 
   /** Creates records at every `every`-th photon and at all visible points, with the distance to the k-th
    * photon, not yet fitted to the surface. Records at photons come first; their number is stored in
-   * `ofPhotons`. */
-  std::vector<Record> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
+   * `ofPhotons`. `time`: of the photons. */
+  std::vector<Record> find(size_t every, std::span<const VisiblePoint> seen, float time, size_t& ofPhotons) {
     std::vector<Record> records((first.size() + every - 1) / every);
     const size_t tried = records.size();
     records.resize(tried + seen.size());
@@ -80,7 +81,7 @@ class RecordFitter {
         // Of coinciding photons a surface beside them, by rounding errors, would have a radius of that size.
         const float near = kthDistance(around(photon.position), scratch);
         if (near == 0) return;
-        found = surfaceOf(scene, photon, near, taskCounts);
+        found = surfaceOf(scene, photon, near, time, taskCounts);
         // Transmitting surfaces are seen from both sides, whichever side the light is on.
         if (found && found->transmits && i % 2 == 1) found->point.geometricNormal *= -1.0f;
       } else {
@@ -91,6 +92,7 @@ class RecordFitter {
       record.position = found->point.position;
       record.normal = found->point.geometricNormal;
       record.error = glm::length(found->point.error);
+      record.time = found->point.time;
       record.bothSides = found->transmits;
       record.radius = kthDistance(regionAt(record), scratch);
     });
@@ -309,7 +311,7 @@ class RecordFitter {
   }
 
   GatherRegion regionAt(const Record& record) const {
-    return {record.position, record.normal, record.radius, search.flatness, record.bothSides};
+    return {record.position, record.normal, record.radius, search.flatness, record.bothSides, record.time};
   }
   BoundaryCorrection surroundingsOf(const Record& record, size_t key) const {
     const Neighbourhood& around = record.around;
@@ -371,9 +373,10 @@ class RecordFitter {
 
 } // namespace
 
-void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
-                        const GatherSettings& search, double alpha, LightDetail detail,
-                        const RayAlternative& rays, TransportCounts& counts, bool choosesAreas) {
+void RadiusCache::build(const Scene& scene, const PhotonMap& first, float time,
+                        std::span<const VisiblePoint> seen, const GatherSettings& search, double alpha,
+                        LightDetail detail, const RayAlternative& rays, TransportCounts& counts,
+                        bool choosesAreas) {
   limit = search.radius;
   lift = std::min(search.radius, 2 * scene.bounds().radius);
   records.clear();
@@ -384,7 +387,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   size_t ofPhotons = 0;
   if (!first.empty())
     records = finder.find(std::max(EVERY, first.size() / std::clamp(pixels / 4, MIN_COUNT, MAX_COUNT)), seen,
-                          ofPhotons);
+                          time, ofPhotons);
   std::vector<Photon> lifted(records.size());
   for (size_t i = 0; i < records.size(); ++i)
     lifted[i].position = regionInIndex(records[i].position, records[i].normal).center;

@@ -28,15 +28,22 @@ struct CachedRadius {
   size_t index = 0;                     ///< index of the record that the radius is from; 0 without records
 };
 
+/** Correction for an estimate at the point of a lookup. Where surfaces move, nothing is known of those around
+ * a record, which was made at another time. */
+inline BoundaryCorrection correctionAt(const Scene& scene, const Sampler& sampler, const CachedRadius& near) {
+  return {scene, sampler, scene.moves() ? nullptr : near.known, near.away};
+}
+
 class RadiusCache {
  public:
-  /** Creates records at photons of a first map and at visible points; none if the map is empty. The radius of
-   * a record is the distance to the k-th photon, k = search.nearest, at most search.radius, or search.radius
-   * if k = 0; coveredFraction() may reduce it. With k > 0 and alpha > 0, see radiusScale(), the errors of
-   * this support are estimated, and if `choosesAreas` a support of a different area replaces it where the
-   * expected error over many passes is less. With rays.lights, the variance of rays and direct light are
-   * estimated too. Geometric normals of `seen` must point to the viewer. The map is not used afterwards. */
-  void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
+  /** Creates records at photons of a first map, which have `time`, and at visible points; none if the map is
+   * empty. The radius of a record is the distance to the k-th photon, k = search.nearest, at most
+   * search.radius, or search.radius if k = 0; coveredFraction() may reduce it. With k > 0 and alpha > 0, see
+   * radiusScale(), the errors of this support are estimated, and if `choosesAreas` a support of a different
+   * area replaces it where the expected error over many passes is less. With rays.lights, the variance of
+   * rays and direct light are estimated too. Geometric normals of `seen` must point to the viewer. The map is
+   * not used afterwards. */
+  void build(const Scene& scene, const PhotonMap& first, float time, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts, bool choosesAreas = true);
   /** Looks up the radius at a point with this geometric normal. The record is chosen among the nearest and
@@ -48,6 +55,7 @@ class RadiusCache {
   struct Record {
     Vec3f position{0}, normal{0};
     float error = 0;        ///< bound of the position error
+    float time = 0;         ///< Ray::time at which the surface was found
     bool bothSides = false; ///< see GatherRegion
     float radius = 0;
     float spacing = 0; ///< distance to the third nearest neighbouring record

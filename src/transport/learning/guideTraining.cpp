@@ -202,6 +202,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     Pass training = pass;
     training.index = static_cast<uint32_t>(stage + 1);
     training.seed = hashCombine(pass.seed, STREAM + training.index);
+    if (scene.moves()) training.time = scene.camera().timeAt(Sampler(training.seed, STREAM, 0).next1D());
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
     const Records photons = photonsOfStage(scene, training, paths, control, counts);
     GuideField byPhotons;

@@ -30,6 +30,7 @@ struct GatherRegion {
   float radius = INFINITE; ///< in the tangent plane [scene units]; may be infinite for k-nearest
   float flatness = 1;      ///< half axis along the normal ÷ radius, at least 1e-6; a sphere from 1 on
   bool bothSides = false;  ///< photons may arrive from either side (transmitting surfaces)
+  float time = 0;          ///< Ray::time of probe rays for the surfaces in the region
   size_t clipCount = 0;
   std::array<HalfSpace, MAX_CLIPS> clips{}; ///< only the first clipCount are valid
 

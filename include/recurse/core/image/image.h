@@ -19,6 +19,7 @@ struct Image {
   std::vector<std::string> channels; ///< names: R, G, B, or with layers direct.R and so on
   std::vector<float> pixels;
   std::map<std::string, std::string> metadata;
+  bool fromIntegers = false; ///< read from a file of integers, whose values are cut off at white
 
   Image() = default;
   Image(int width, int height, std::vector<std::string> channelNames)

@@ -230,10 +230,10 @@ class Scene {
 
 /** Command-line values that replace settings of the scene file. */
 struct SceneOverrides {
-  int width = 0, height = 0;                   ///< both given, for the whole film; or 0: from the file
-  std::array<float, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: not replaced
-  bool lenient = false;                        ///< unknown parameters are warnings
-  bool compact = false;                        ///< smaller and slower trees
+  int width = 0, height = 0;                    ///< both given, for the whole film; or 0: from the file
+  std::array<double, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: not replaced
+  bool lenient = false;                         ///< unknown parameters are warnings
+  bool compact = false;                         ///< smaller and slower trees
 };
 
 /**

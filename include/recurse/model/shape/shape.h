@@ -48,10 +48,12 @@ struct SurfacePoint {
   Vec2f uv; ///< surface coordinates; in [0, 1] unless a mesh has others
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; only for nested dielectrics
-  float alpha = 1;        ///< probability that a ray hits the surface here; set by Scene::intersect()
-  float time = 0;         ///< Ray::time of the incident and the scattered rays
-  float wavelength = 0;   ///< wavelength for dispersive refraction [nm]; 0: no dispersion
-  bool isWhite = true;    ///< true: the path still has all wavelengths; `wavelength` is a sample
+  /** Probability that a ray hits the surface here, set by Scene::intersect(), and that its material keeps
+   * photons, where one of several is chosen at random. */
+  float alpha = 1;
+  float time = 0;       ///< Ray::time of the incident and the scattered rays
+  float wavelength = 0; ///< wavelength for dispersive refraction [nm]; 0: no dispersion
+  bool isWhite = true;  ///< true: the path still has all wavelengths; `wavelength` is a sample
   /** Kind of a curve: curves are too thin for photon density. Most of them turn to the ray that hits them. */
   enum class Curve : uint8_t { NONE, FIXED, FACES_RAY } curve = Curve::NONE;
 
