@@ -160,7 +160,7 @@ void expectPhotonsOnThePlate(const std::string& plate) {
   const PathClasses classes(std::vector<PathClass>{{"indirect", "LDDE"}});
   const BatchMeans paths = classMeans(*scene, {"path", ""}, classes, samples(256), 4);
   for (const Way& way : {Way{"photonmap", ""}, {"photonmap", "\"string direct\" \"photons\""}, {"vcm", ""}}) {
-    const BatchMeans photons = classMeans(*scene, way, classes, samples(48), 4);
+    const BatchMeans photons = classMeans(*scene, way, classes, samples(24), 4);
     EXPECT_NEAR(photons.mean(0), paths.mean(0),
                 SIGMAS * std::hypot(photons.standardError(0), paths.standardError(0)) +
                     PHOTON_BIAS * paths.mean(0))
@@ -186,6 +186,17 @@ Texture "flat" "float" "constant" "float value" 0
 MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
 MakeNamedMaterial "white" "string type" "diffuse"
 Material "mix" "string materials" [ "mirror" "white" ] "float amount" .4
+Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
+)");
+}
+
+TEST(ClassAgreement, PhotonsOfChoicesWithinAChoiceCountForTheWholeSurface) {
+  expectPhotonsOnThePlate(R"(
+Texture "flat" "float" "constant" "float value" 0
+MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
+MakeNamedMaterial "white" "string type" "diffuse"
+MakeNamedMaterial "half" "string type" "mix" "string materials" [ "mirror" "white" ]
+Material "mix" "string materials" [ "half" "mirror" ] "float amount" .4
 Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
 )");
 }

@@ -2,7 +2,7 @@
  * Media against closed forms: phase functions over the registry, transmittance, single scattering, furnaces,
  * boundaries, path classes.
  */
-#include "rendering.h"
+#include "classRendering.h"
 #include "transport/forward/shoot.h"
 #include "transport/paths/walk.h"
 
@@ -715,6 +715,28 @@ TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
     expectColour(meanOfMedium(r), Rgbd(1), SANITIZED ? 0.05 : 0.01, medium);
     expectColour(rim, Rgbd(1), SANITIZED ? 0.06 : 0.02, medium);
   }
+}
+
+TEST(MediaPhotons, DoNotWanderFarFromTheSceneInAFogThatAbsorbsNothing) {
+  const std::string text = R"(
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ .1 .1 .1 ] "rgb sigma_a" [ 0 0 0 ]
+MediumInterface "" "fog"
+)" + view(8, "0 1 -6  0 1 0  0 1 0", 60) +
+                           R"(
+LightSource "point" "rgb I" [ 20 20 20 ] "point3 from" [ 0 4 -2 ]
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
+)";
+  const auto scene = sceneFrom(text);
+  const PathClasses classes(std::vector<PathClass>{{"fog", "LVVV*E"}});
+  const std::string few = "\"integer passes\" 0 \"integer photons\" ";
+  const BatchMeans paths = classMeans(*scene, {"path", ""}, classes, samples(64), 6),
+                   photons = classMeans(*scene, {"photonmap", few + "2000"}, classes, samples(8), 6);
+  EXPECT_NEAR(photons.mean(0), paths.mean(0),
+              4 * std::hypot(photons.standardError(0), paths.standardError(0)) + 0.01 * paths.mean(0));
+  // Without roulette each photon has about a thousand events, and two rays at each.
+  const Rendered one = renderScene(*scene, "photonmap", few + "20000", 1);
+  EXPECT_LT(one.statistics.counts.rays, 1000 * one.statistics.photonsEmitted);
 }
 
 TEST(MediaPhotons, AreTheSameForAnyNumberOfThreads) {

@@ -104,9 +104,11 @@ class Mix final : public MaterialOfParts {
  * shading frame belongs to one material, as in pbrt-v4. */
 class Choice {
  public:
-  Choice(const Parts& parts, const Coverage& coverage) : parts(parts), coverage(coverage) {}
+  /** `level`: levels of mixes that choose inside of the parts. Their choices are independent of this one. */
+  Choice(const Parts& parts, const Coverage& coverage, uint64_t level)
+      : parts(parts), coverage(coverage), level(level) {}
   const Material& at(const SurfacePoint& point) const {
-    uint64_t h = 0;
+    uint64_t h = level;
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
     return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < coverage.second(point) ? 1 : 0];
   }
@@ -120,6 +122,7 @@ class Choice {
  private:
   Parts parts;
   Coverage coverage;
+  uint64_t level;
 };
 
 class ChosenDetail final : public SurfaceDetail {
@@ -139,7 +142,7 @@ class ChosenDetail final : public SurfaceDetail {
 class ChosenMaterial final : public MaterialOfParts {
  public:
   ChosenMaterial(const Parts& parts, const Coverage& coverage)
-      : MaterialOfParts(parts), choice(parts, coverage) {
+      : MaterialOfParts(parts), level(levelAbove(parts)), choice(parts, coverage, level) {
     detail = std::make_unique<ChosenDetail>(choice);
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
@@ -147,6 +150,15 @@ class ChosenMaterial final : public MaterialOfParts {
   }
 
  private:
+  static uint64_t levelAbove(const Parts& parts) {
+    uint64_t level = 0;
+    for (const Material* m : parts)
+      if (const auto* chosen = dynamic_cast<const ChosenMaterial*>(m))
+        level = std::max(level, chosen->level + 1);
+    return level;
+  }
+
+  uint64_t level; ///< see Choice
   Choice choice;
 };
 

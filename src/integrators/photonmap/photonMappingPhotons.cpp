@@ -42,8 +42,9 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
       const RadiusCache::Record& record = layer.cache.record(query.cached.index);
       BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.cached.index)),
                                   &record.around};
-      return irradiance(layer.map, search, {.center = record.position, .normal = record.normal}, record.error,
-                        settings.edges ? &boundary : nullptr, counts);
+      return irradiance(layer.map, search,
+                        {.center = record.position, .normal = record.normal, .time = record.time},
+                        record.error, settings.edges ? &boundary : nullptr, counts);
     });
     if (!isBlack(e))
       out.add(LightState(0), path.walk.state,

@@ -111,7 +111,8 @@ class PhotonWalk {
    * delta lobes one photon carries the flux of all, since they would follow the same path. */
   void split(PhotonPath& photon, Sampler& sampler) {
     constexpr uint32_t SPLIT_STREAM = 2000; // number of the fork, unused by other forks of the sampler
-    const int count = splitCount(photon.path.throughput);
+    // Splits would undo the roulette outside of the scene.
+    const int count = splitCount(photon.path.throughput / photon.path.farthest);
     if (count == 1) return;
     const float fraction = 1 / static_cast<float>(count);
     const auto branch = [&](PhotonPath copy, int i, float keptFraction) {

@@ -41,6 +41,7 @@ template <class State> struct Subpath : SpectralPath {
   OpticalPath optical;      ///< up to the ray's origin; up to the next vertex once it is found
   LobeSet needed = NO_LOBE; ///< the path ends at a material without any of these lobes; NO_LOBE: at none
   int hero = 0;             ///< colour channel that draws distances in media
+  float farthest = 1;       ///< reciprocal of the survival probability outside of the scene
 };
 
 /** Vertex of a walk: a point of scattering at a surface or in a medium. */

@@ -157,7 +157,26 @@ template <class State> class Walker {
     vertex.hit.point = pointInMedium(path.ray, c.t);
     vertex.hit.t = c.t;
     path.optical.travel(c.t);
-    return true;
+    return staysNear(path, *medium, vertex.hit.point.position, sampler);
+  }
+
+  /** Russian roulette in a medium without end. A path that diffuses at distance r from the scene comes back
+   * to a sphere of radius R with probability R / r at most, the solution of Laplace's equation outside of the
+   * sphere, and survives the first arrival at r with this probability. The sphere has the scene inside, and
+   * what is seen in the medium around it. */
+  bool staysNear(Path& path, const Medium& medium, const Vec3f& position, Sampler& sampler) const {
+    constexpr float VISIBLE = 4; // depth to which the medium is seen [mean free paths]
+    const SceneBounds& bounds = scene.bounds();
+    const float distance = glm::distance(position, bounds.center);
+    if (distance <= bounds.radius) return true;
+    const float extinction = maxComponent(medium.at(position).extinction());
+    const float farther = distance / (bounds.radius + VISIBLE / extinction);
+    if (farther <= path.farthest) return true;
+    const float chance = path.farthest / farther;
+    path.farthest = farther;
+    if (russianRoulette(chance, path.depth, sampler, path.throughput)) return true;
+    path.throughput = BLACK;
+    return false;
   }
 
   void arriveInMedium(const Path& path, Vertex& vertex) const {
