@@ -89,7 +89,8 @@ std::vector<Run> runsOf(const ConvergeOptions& o, BudgetKind kind) {
         o.render.integrator.named() ? std::vector<std::string>{o.render.integrator.integratorName()}
                                     : std::vector<std::string>{"path", DEFAULT_INTEGRATOR};
     for (const std::string& name : names)
-      runs.push_back(parseRun("--run", name + "=--integrator " + name, o.render, refusedFor(kind)));
+      runs.push_back(parseRun("--run", formatted("%s=--integrator %s", name.c_str(), name.c_str()), o.render,
+                              refusedFor(kind)));
   }
   for (size_t i = 0; i < runs.size(); ++i)
     for (size_t j = 0; j < i; ++j)

@@ -174,7 +174,8 @@ class Opacity final : public Texture {
 
 class Compound final : public MaterialOfParts {
  public:
-  Compound(const Parts& parts, const std::vector<Rgb>& weights) : MaterialOfParts(parts), weights(weights) {}
+  Compound(const Parts& parts, std::vector<Rgb> weights)
+      : MaterialOfParts(parts), weights(std::move(weights)) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     BsdfSum sum;
     for (size_t i = 0; i < parts.size(); ++i) sum.add(parts[i]->bsdfAt(point, arena), weights[i]);
@@ -259,7 +260,7 @@ void registerMix(PlugIns& plugIns) {
                   "one for each");
          if (std::max({total.r, total.g, total.b}) > 1 + 1e-6)
            p.fail("weights", "the weights add up to more than 1: more light would leave than arrives");
-         return std::make_unique<Compound>(parts, weights);
+         return std::make_unique<Compound>(parts, std::move(weights));
        }});
 }
 
