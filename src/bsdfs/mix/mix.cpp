@@ -3,6 +3,7 @@
  */
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "bsdfs/mix/bsdfSum.h"
 #include "recurse/model/bsdf/surfaceDetail.h"
@@ -85,7 +86,7 @@ class Coverage {
 
 class Mix final : public MaterialOfParts {
  public:
-  Mix(const Parts& parts, const Coverage& coverage) : MaterialOfParts(parts), coverage(coverage) {}
+  Mix(const Parts& parts, Coverage coverage) : MaterialOfParts(parts), coverage(std::move(coverage)) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const float a = coverage.second(point);
     if (a == 0) return parts[0]->bsdfAt(point, arena);
@@ -105,8 +106,8 @@ class Mix final : public MaterialOfParts {
 class Choice {
  public:
   /** `level`: levels of mixes that choose inside of the parts. Their choices are independent of this one. */
-  Choice(const Parts& parts, const Coverage& coverage, uint64_t level)
-      : parts(parts), coverage(coverage), level(level) {}
+  Choice(Parts parts, Coverage coverage, uint64_t level)
+      : parts(std::move(parts)), coverage(std::move(coverage)), level(level) {}
   const Material& at(const SurfacePoint& point) const {
     uint64_t h = level;
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
@@ -127,7 +128,7 @@ class Choice {
 
 class ChosenDetail final : public SurfaceDetail {
  public:
-  explicit ChosenDetail(const Choice& choice) : choice(choice) {}
+  explicit ChosenDetail(Choice choice) : choice(std::move(choice)) {}
   void apply(SurfacePoint& point) const override {
     const Material& chosen = choice.at(point);
     // Camera rays read the photons of all points where the chosen material reads any.
@@ -165,7 +166,7 @@ class ChosenMaterial final : public MaterialOfParts {
 /** Opacity of a mix with holes, used like an alpha texture. */
 class Opacity final : public Texture {
  public:
-  explicit Opacity(const Coverage& coverage) : coverage(coverage) {}
+  explicit Opacity(Coverage coverage) : coverage(std::move(coverage)) {}
   Rgb value(const SurfacePoint& point) const override { return Rgb(coverage.opacity(point)); }
 
  private:
