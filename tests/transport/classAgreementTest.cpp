@@ -141,8 +141,9 @@ TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
 
 namespace {
 
-/** A lamp above a floor before an upright plate, whose parameters and material are given. */
-std::string floorAndPlate(const std::string& plate) {
+/** A lamp above a floor before an upright plate. `material`: directives before the shape of the plate, which
+ * may move it; `parameters`: of the shape. */
+std::string floorAndPlate(const std::string& material, const std::string& parameters) {
   return view(16, "0 1.6 -5  0 .9 0  0 1 0", 42) + R"(
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 9 8 7 ]
@@ -151,12 +152,15 @@ Shape "sphere" "float radius" .5
 AttributeEnd
 Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
 Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
-)" + plate;
+)" + material +
+         R"(
+Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ] )" +
+         parameters;
 }
 
 /** Photons agree with paths on LDDE, most of which the floor reflects to the plate. */
-void expectPhotonsOnThePlate(const std::string& plate) {
-  const auto scene = sceneFrom(floorAndPlate(plate));
+void expectPhotonsOnThePlate(const std::string& material, const std::string& parameters = {}) {
+  const auto scene = sceneFrom(floorAndPlate(material, parameters));
   const PathClasses classes(std::vector<PathClass>{{"indirect", "LDDE"}});
   const BatchMeans paths = classMeans(*scene, {"path", ""}, classes, samples(256), 4);
   for (const Way& way : {Way{"photonmap", ""}, {"photonmap", "\"string direct\" \"photons\""}, {"vcm", ""}}) {
@@ -168,44 +172,35 @@ void expectPhotonsOnThePlate(const std::string& plate) {
   }
 }
 
+/** Two materials, one with bumps: each hit on a mix chooses one of them. */
+const std::string MIRROR_AND_WHITE = R"(
+Texture "flat" "float" "constant" "float value" 0
+MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
+MakeNamedMaterial "white" "string type" "diffuse"
+)";
+
 } // namespace
 
 TEST(ClassAgreement, PhotonsOfAMovingPlateAreWhereItIs) {
   expectPhotonsOnThePlate(R"(
 ActiveTransform EndTime
 Translate 0 0 1
-ActiveTransform All
-Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
-)");
+ActiveTransform All)");
 }
 
 TEST(ClassAgreement, PhotonsOfAMaterialChosenAtRandomCountForTheWholeSurface) {
-  // A mirror with bumps is mixed with a diffuse material: each hit chooses one of them.
-  expectPhotonsOnThePlate(R"(
-Texture "flat" "float" "constant" "float value" 0
-MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
-MakeNamedMaterial "white" "string type" "diffuse"
-Material "mix" "string materials" [ "mirror" "white" ] "float amount" .4
-Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
-)");
+  expectPhotonsOnThePlate(MIRROR_AND_WHITE +
+                          R"(Material "mix" "string materials" [ "mirror" "white" ] "float amount" .4)");
 }
 
 TEST(ClassAgreement, PhotonsOfChoicesWithinAChoiceCountForTheWholeSurface) {
-  expectPhotonsOnThePlate(R"(
-Texture "flat" "float" "constant" "float value" 0
-MakeNamedMaterial "mirror" "string type" "conductor" "rgb reflectance" [ .8 .8 .8 ] "texture displacement" "flat"
-MakeNamedMaterial "white" "string type" "diffuse"
+  expectPhotonsOnThePlate(MIRROR_AND_WHITE + R"(
 MakeNamedMaterial "half" "string type" "mix" "string materials" [ "mirror" "white" ]
-Material "mix" "string materials" [ "half" "mirror" ] "float amount" .4
-Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ]
-)");
+Material "mix" "string materials" [ "half" "mirror" ] "float amount" .4)");
 }
 
 TEST(ClassAgreement, PhotonsOnAnAlphaSheetCountForTheWholeSheet) {
-  expectPhotonsOnThePlate(R"(
-Material "diffuse"
-Shape "bilinearmesh" "point3 P" [ -1.5 .2 0  1.5 .2 0  -1.5 2 0  1.5 2 0 ] "float alpha" .4
-)");
+  expectPhotonsOnThePlate("Material \"diffuse\"", "\"float alpha\" .4");
 }
 
 TEST(ClassAgreement, LayersOfACoverAddUp) {

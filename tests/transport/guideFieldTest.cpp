@@ -66,8 +66,7 @@ template <class Value> std::vector<GuideRecord> cosineRecords(size_t count, cons
     r.position = {uniform(random), uniform(random), 0};
     r.normal = {0, 0, 1};
     r.direction = cosineHemisphere({uniform(random), uniform(random)});
-    r.pdfBsdf = r.direction.z * INV_PI;
-    r.value = value(r.direction) / r.pdfBsdf;
+    r.value = value(r.direction) / (r.direction.z * INV_PI);
     if (r.value > 0) records.push_back(r);
   }
   return records;
@@ -198,7 +197,6 @@ TEST(GuideField, IsTheSameForAnyNumberOfThreads) {
     r.direction = uniformSphere({uniform(random), uniform(random)});
     r.normal = glm::normalize(r.position - 0.5f);
     r.value = uniform(random);
-    r.pdfBsdf = 0.1f;
   }
   const auto densities = [&](int threads) {
     const ThreadPool pool(threads);
@@ -245,7 +243,6 @@ TEST(GuideField, InAMediumACellCoversAllDirections) {
     GuideRecord r;
     r.position = {uniform(random), uniform(random), uniform(random)};
     r.direction = uniformSphere({uniform(random), uniform(random)});
-    r.pdfBsdf = INV_PI / 4;
     r.value = std::abs(r.direction.z) > 0.8f ? 1 : 0.01f;
     records.push_back(r);
   }

@@ -5,6 +5,7 @@
 
 #include "apps/commands/commands.h"
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"
@@ -177,19 +178,11 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
                    "(red); flip and hdrflip: visible difference from 0 to 1")
       ->check(CLI::IsMember({"relative", "signed", "flip", "hdrflip"}))
       ->type_name("SCALE");
-  command
-      ->add_option("--fail-above", o.failAbove,
-                   "Exit status 1 if the measure is larger than this; may be repeated")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all()
+  addRepeatedOption(*command, "--fail-above", o.failAbove,
+                    "Exit status 1 if the measure is larger than this; may be repeated")
       ->type_name("METRIC=NUMBER");
-  command
-      ->add_option("--fail-below", o.failBelow,
-                   "Exit status 1 if the measure is smaller than this: for psnr and mean_ratio")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all()
+  addRepeatedOption(*command, "--fail-below", o.failBelow,
+                    "Exit status 1 if the measure is smaller than this: for psnr and mean_ratio")
       ->type_name("METRIC=NUMBER");
   command->footer(
       "Examples:\n"

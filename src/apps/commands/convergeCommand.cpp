@@ -11,6 +11,7 @@
 #include "apps/options/namedRun.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/interrupt.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
@@ -422,13 +423,9 @@ void addConvergeCommand(CLI::App& app, Command& chosen) {
                    "ones (default: two are rendered by path, or by sppm if path cannot find all light)")
       ->expected(1, 3)
       ->type_name("REF [A] [B]");
-  command
-      ->add_option("--run", o.runs,
-                   "Settings with a name; may be repeated. Any option of 'recurse render' that changes the "
-                   "picture (default: path and photonmap)")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all()
+  addRepeatedOption(*command, "--run", o.runs,
+                    "Settings with a name; may be repeated. Any option of 'recurse render' that changes the "
+                    "picture (default: path and photonmap)")
       ->type_name("NAME=\"OPTIONS\"");
   o.render.addTo(*command);
   for (const char* taken : {"--photons", "--spp", "--time-limit", "--stats"})

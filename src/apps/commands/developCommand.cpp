@@ -7,6 +7,7 @@
 #include "apps/commands/commands.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"
@@ -80,16 +81,12 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
   command->add_option("picture", o.input, "A picture with linear values: .exr, .hdr, .pfm")
       ->required()
       ->type_name("PICTURE");
-  command
-      ->add_option("-o,--output", o.outputs,
-                   "Picture to write, may be repeated: .png .jpg .tif; .html: a page with sliders for "
-                   "exposure and a choice of tone operators; .apng .mp4: the film of a picture that "
-                   "'recurse render --time-of-flight' has made")
+  addRepeatedOption(*command, "-o,--output", o.outputs,
+                    "Picture to write, may be repeated: .png .jpg .tif; .html: a page with sliders for "
+                    "exposure and a choice of tone operators; .apng .mp4: the film of a picture that "
+                    "'recurse render --time-of-flight' has made")
       ->required()
-      ->type_name("FILE")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+      ->type_name("FILE");
   command->add_flag("--sheet", o.sheet, "Write a contact sheet of all tone operators instead of one picture");
   command->add_option("--frame-rate", o.frameRate, "Frames per second of .apng and .mp4 (default: 24)")
       ->type_name("FPS");

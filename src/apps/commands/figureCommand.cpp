@@ -8,6 +8,7 @@
 #include "apps/commands/commands.h"
 #include "apps/figures/figureKinds.h"
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/report/figures/figureDrawing.h"
@@ -80,11 +81,9 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
                    "acne: offsets of shadow rays [scene units] (default: zero, and fractions of the scene's "
                    "radius)")
       ->type_name("D,D...");
-  command->add_option("--pixel", o.pixels, "guide: pixel whose surface point is drawn, may be repeated")
-      ->type_name("X,Y")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(*command, "--pixel", o.pixels,
+                    "guide: pixel whose surface point is drawn, may be repeated")
+      ->type_name("X,Y");
   command->add_option("--stages", o.stages, "guide: stages of training, 1 to 20 (default: 8)")
       ->type_name("N");
   o.render.addTo(*command);

@@ -7,6 +7,7 @@
 #include "apps/commands/commands.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"
@@ -181,13 +182,9 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
       app.add_subcommand("inspect", "Write a page with the scene in 3D, the paths of pixels and the photons");
   o.render.addSceneTo(*command);
   command->add_option("-o,--output", o.output, "Page to write, .html")->required()->type_name("FILE");
-  command
-      ->add_option("--pixel", o.pixels,
-                   "Pixel to record paths of, may be repeated (default: a grid of 24 pixels)")
-      ->type_name("X,Y")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(*command, "--pixel", o.pixels,
+                    "Pixel to record paths of, may be repeated (default: a grid of 24 pixels)")
+      ->type_name("X,Y");
   command
       ->add_option("--path-samples", o.pathSamples,
                    "Number of samples to record for each pixel (default: 16)")
@@ -206,14 +203,10 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
           "Number of samples of path tracing for the irradiance at each recorded pixel, which density "
           "estimates are compared with, at least 2; 0: none (default: 4096)")
       ->type_name("N");
-  command
-      ->add_option("--class", o.classes,
-                   "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' "
-                   "(default: the classes of 'recurse stills')")
-      ->type_name("NAME=EXPR")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(*command, "--class", o.classes,
+                    "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' "
+                    "(default: the classes of 'recurse stills')")
+      ->type_name("NAME=EXPR");
   o.render.addTo(*command);
   command->footer(
       "The page needs no network. Click a marked pixel of the picture to draw the paths that the\n"

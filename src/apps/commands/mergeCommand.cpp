@@ -7,6 +7,7 @@
 #include "apps/commands/commands.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "apps/run/renderOutput.h"
 #include "recurse/core/io/atomicFile.h"
@@ -115,12 +116,9 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
   command->add_option("checkpoints", o.inputs, "Files of 'recurse render --checkpoint'")
       ->required()
       ->type_name("FILE...");
-  command
-      ->add_option("-o,--output", o.outputs, "Picture to write, may be repeated; formats of 'recurse render'")
-      ->type_name("FILE")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(*command, "-o,--output", o.outputs,
+                    "Picture to write, may be repeated; formats of 'recurse render'")
+      ->type_name("FILE");
   command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint that can be merged again")
       ->type_name("FILE");
   o.develop.addTo(*command);

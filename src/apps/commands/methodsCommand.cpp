@@ -8,6 +8,7 @@
 #include "apps/load/missedLight.h"
 #include "apps/options/namedRun.h"
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/interrupt.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
@@ -358,14 +359,10 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
       ->type_name("DIR");
   std::string names;
   for (const NamedMethod& m : METHODS) names += (names.empty() ? "" : ", ") + std::string(m.name);
-  command
-      ->add_option("--method", o.methods,
-                   "Method by name, may be repeated: " + names +
-                       ", any other integrator; or NAME=\"OPTIONS\" with options of 'recurse render' "
-                       "(default: all methods of this list)")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all()
+  addRepeatedOption(*command, "--method", o.methods,
+                    "Method by name, may be repeated: " + names +
+                        ", any other integrator; or NAME=\"OPTIONS\" with options of 'recurse render' "
+                        "(default: all methods of this list)")
       ->type_name("NAME[=\"OPTIONS\"]");
   o.render.addTo(*command);
   for (const char* taken : {"--photons", "--stats"}) command->remove_option(command->get_option(taken));

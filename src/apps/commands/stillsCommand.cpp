@@ -9,6 +9,7 @@
 #include "apps/load/modelScene.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/fileLock.h"
@@ -132,15 +133,11 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
                    "Folder for stills.exr, sheet.png, index.html, common/ and own/; it is created if needed")
       ->required()
       ->type_name("DIR");
-  command
-      ->add_option(
-          "--class", o.classes,
-          "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' (default: ten "
-          "classes that add up to the whole picture, and six more for scenes with media)")
-      ->type_name("NAME=EXPR")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(
+      *command, "--class", o.classes,
+      "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' (default: ten "
+      "classes that add up to the whole picture, and six more for scenes with media)")
+      ->type_name("NAME=EXPR");
   command
       ->add_option("--by", o.by,
                    "A layer for the light of each lamp, by its name in the scene file or its number; with "

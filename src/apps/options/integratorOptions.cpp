@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "recurse/core/io/error.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/scene/parameters/otherNames.h"
@@ -92,13 +93,9 @@ void IntegratorOptions::addTo(CLI::App& command) {
     if (spec && !spec->defaultText.empty()) description += " (default: " + spec->defaultText + ")";
     command.add_option(values[i].option, values[i].text, description)->type_name(descriptions[i].first);
   }
-  command
-      .add_option("--set", settings,
-                  "Any other parameter of the integrator, see 'recurse reference'; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(command, "--set", settings,
+                    "Any other parameter of the integrator, see 'recurse reference'; may be repeated")
+      ->type_name("NAME=VALUE");
 }
 
 void IntegratorOptions::set(const std::string& option, const std::string& text) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/run/console.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"
@@ -261,29 +262,22 @@ RenderCommandOptions RenderCommandOptions::withoutOutputs() const {
 
 void RenderCommandOptions::addTo(CLI::App& command) {
   render.addSceneTo(command);
-  command
-      .add_option(
-          "-o,--output", outputs,
-          "Picture to write, may be repeated: .exr with all channels, .hdr and .pfm linear, .png .jpg .tif "
-          "for display (default: the file name in the scene, in the current folder; none for a "
-          "--sample-range with a --checkpoint)")
-      ->type_name("FILE")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(
+      command, "-o,--output", outputs,
+      "Picture to write, may be repeated: .exr with all channels, .hdr and .pfm linear, .png .jpg .tif "
+      "for display (default: the file name in the scene, in the current folder; none for a "
+      "--sample-range with a --checkpoint)")
+      ->type_name("FILE");
   render.addTo(command);
   command
       .add_option("--paths", paths,
                   "Render only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
-  command
-      .add_option("--class", classes,
-                  "Add the light paths of a class to .exr, such as caustic=LS+DE as caustic.R, caustic.G and "
-                  "caustic.B; may be repeated")
-      ->type_name("NAME=EXPR")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all();
+  addRepeatedOption(
+      command, "--class", classes,
+      "Add the light paths of a class to .exr, such as caustic=LS+DE as caustic.R, caustic.G and "
+      "caustic.B; may be repeated")
+      ->type_name("NAME=EXPR");
   develop.addTo(command);
   addCheckpointOptions(command, *this);
   viewers.addTo(command);

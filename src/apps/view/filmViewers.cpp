@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "apps/options/optionText.h"
+#include "apps/options/repeatedOption.h"
 #include "apps/view/tevClient.h"
 #include "recurse/core/io/error.h"
 
@@ -86,14 +87,10 @@ void ViewerOptions::addTo(CLI::App& command) {
                   "any free port); IPv6 as [::1]:8080")
       ->type_name("HOST:PORT")
       ->group(group);
-  command
-      .add_option("--live-host", liveHosts,
-                  "For --live: host name by which browsers may reach the page, may be repeated, besides "
-                  "localhost and this machine's addresses")
+  addRepeatedOption(command, "--live-host", liveHosts,
+                    "For --live: host name by which browsers may reach the page, may be repeated, besides "
+                    "localhost and this machine's addresses")
       ->type_name("NAME")
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->take_all()
       ->group(group);
   command
       .add_option("--display-server", displayServer,

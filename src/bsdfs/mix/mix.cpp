@@ -113,11 +113,11 @@ class Choice {
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
     return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < coverage.second(point) ? 1 : 0];
   }
-  /** Probability that the chosen material keeps photons. */
+  /** Probability that the chosen material keeps photons, if any does. */
   float chanceOfPhotons(const SurfacePoint& point) const {
-    const float second = coverage.second(point);
-    const auto keeps = [](const Material* m) { return (m->lobes() & NON_DELTA_LOBES) != 0; };
-    return (keeps(parts[0]) ? 1 - second : 0) + (keeps(parts[1]) ? second : 0);
+    const auto keeps = [&](size_t i) { return (parts[i]->lobes() & NON_DELTA_LOBES) != 0; };
+    if (keeps(0) == keeps(1)) return 1;
+    return keeps(1) ? coverage.second(point) : 1 - coverage.second(point);
   }
 
  private:

@@ -283,7 +283,7 @@ class Bidirectional::CameraWalk {
     if (isBlack(f)) return;
     ++out.counts.photonsFound;
     // Photon density is per area of the geometric surface, unlike shading normals (Veach 1997, eq. 5.19), and
-    // of the whole surface: a photon stands for all those that alpha let through, see photonAt().
+    // alpha divides the flux as in photonAt().
     const float area =
         absDot(y.wi, y.point.shadingNormal) / (absDot(y.wi, y.point.geometricNormal) * y.point.alpha);
     const Rgb radiance = vertex.throughput * f * y.throughput *

@@ -179,7 +179,8 @@ const GuideCell* GuideField::cellAt(const Vec3f& position, const Vec3f& normal) 
 
 LearnedDirections GuideField::learnedAt(const Vec3f& position, const Vec3f& normal) const {
   const GuideCell* cell = cellAt(position, normal);
-  return {.guide = find(position, normal), .records = cell ? cell->records : 0};
+  if (!cell) return {};
+  return {.guide = cell->hasDensity ? cell : nullptr, .records = cell->records};
 }
 
 GuideStatistics GuideField::statistics() const {

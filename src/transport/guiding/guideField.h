@@ -25,8 +25,6 @@ struct GuideRecord {
   /** f L cos θ (in a medium: phase function · L) times the MIS weight of the ray, over the pdf of the
    * direction; of a photon its flux, in any unit, since each cell scales both kinds of records. Positive. */
   float value = 0;
-  /** Density of BSDF sampling or of the phase function [1/sr]; of a photon cos θ / π, or 1 / 4π. Positive. */
-  float pdfBsdf = 0;
   bool fromPhoton = false; ///< a photon, not a camera path, made the record
 };
 

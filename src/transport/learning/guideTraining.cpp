@@ -38,20 +38,21 @@ class TrainingPath {
   /** Begins a record at a vertex that the path leaves. Its throughput is the one on arrival. */
   void leave(const CameraVertex& vertex, const Scatter& s) {
     constexpr size_t MAX_VERTICES = 32;
-    const float before = luminance(vertex.throughput);
+    float pdf, plainPdf; // density of the direction, and without a guide
     GuideRecord r;
     r.position = vertex.point().position;
     r.direction = s.direction;
     if (vertex.medium) {
-      r.pdfBsdf = vertex.medium->phase->value(glm::dot(-vertex.wi, s.direction));
+      plainPdf = vertex.phase(s.direction);
+      pdf = static_cast<float>(vertex.pdfDirection(s.direction));
     } else {
       r.normal = vertex.point().normalTowards(vertex.wi);
-      r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
+      plainPdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
+      pdf = vertex.scattering->pdfNonDelta(vertex.wi, s.direction);
     }
-    if (!(r.pdfBsdf > 0)) return;
-    const float pdf = vertex.medium ? static_cast<float>(vertex.pdfDirection(s.direction))
-                                    : vertex.scattering->pdfNonDelta(vertex.wi, s.direction);
-    densityRatio *= pdf / r.pdfBsdf;
+    if (!(plainPdf > 0)) return;
+    densityRatio *= pdf / plainPdf;
+    const float before = luminance(vertex.throughput);
     if (vertices.size() < MAX_VERTICES && before > 0) vertices.push_back({r, before});
   }
   void finish() {
@@ -143,17 +144,14 @@ std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, con
     r.normal = unpackDirection(p.normal);
     r.direction = unpackDirection(p.direction);
     r.value = luminance(p.power);
-    // A diffuse BSDF stands in for the unknown one.
-    r.pdfBsdf = glm::dot(r.direction, r.normal) * INV_PI;
     r.fromPhoton = true;
-    if (r.value > 0 && std::isfinite(r.value) && r.pdfBsdf > 0) records.push_back(r);
+    if (r.value > 0 && std::isfinite(r.value) && glm::dot(r.direction, r.normal) > 0) records.push_back(r);
   }
   for (const VolumePhoton& p : shot.inMedia) {
     GuideRecord r;
     r.position = p.position;
     r.direction = -unpackDirection(p.direction);
     r.value = luminance(p.power);
-    r.pdfBsdf = INV_PI / 4; // an isotropic phase function stands in
     r.fromPhoton = true;
     if (r.value > 0 && std::isfinite(r.value)) records.push_back(r);
   }
@@ -182,16 +180,17 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
   constexpr size_t MAX_RECORDS = 200'000;              // 10 MB; more records improve no scene tried
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
   constexpr int TRIAL = 2;                             // last stage of a guide that gains little
-  // Means of seven scenes and of one. In media, paths without a guide are not traced in batches either.
+  // Processor time of a guided path over that of another one: mean of seven scenes, and a scene with media,
+  // where paths are never traced in batches.
   constexpr double TIME_RATIO = 1.7, TIME_RATIO_IN_MEDIA = 1.3;
   if (pass.index == 0) {
     stage = -1;
     records.clear();
     field = {};
-    gain = 0;
+    isFollowed = false;
     emission = {};
   }
-  timeRatio = scene.hasMedia() ? TIME_RATIO_IN_MEDIA : TIME_RATIO;
+  const double timeRatio = scene.hasMedia() ? TIME_RATIO_IN_MEDIA : TIME_RATIO;
   // Later stages gain more: one that has half of the gain that is needed (in logarithm) is trained further.
   const auto isPromising = [&] { return stage < TRIAL || gain > std::sqrt(timeRatio); };
   const PixelBounds film = scene.film().whole();
@@ -212,6 +211,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
                                                        resolution, training.seed, control, counts);
     if (control.stopped()) return;
     gain = gainOf(rows);
+    isFollowed = gain > timeRatio;
     records.insert(records.end(), photons.begin(), photons.end());
     for (const TrainingRow& row : rows) records.insert(records.end(), row.records.begin(), row.records.end());
     field.build(records, smallest);
@@ -222,7 +222,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
 std::optional<GuideStatistics> GuideTraining::statistics() const {
   if (stage < 0) return {};
   GuideStatistics out = field.statistics();
-  if (!pays()) out.cellsOn = 0;
+  if (!isFollowed) out.cellsOn = 0;
   out.gain = gain;
   return out;
 }

@@ -44,12 +44,12 @@ class GuideTraining {
                const ForwardControl& control, TransportCounts& counts);
 
   /** Current guide; null: BSDF sampling everywhere. */
-  const GuideField* guide() const { return pays() ? &field : nullptr; }
+  const GuideField* guide() const { return isFollowed ? &field : nullptr; }
   /** Learned directions at a surface point on the side of unit `wi`, followed or not; empty before the first
    * stage. */
   LearnedDirections directionsAt(const SurfacePoint& point, const Vec3f& wi) const {
     LearnedDirections out = field.learnedAt(point.position, point.normalTowards(wi));
-    out.isSampled = out.guide && pays();
+    out.isSampled = out.guide && isFollowed;
     return out;
   }
   /** Empty before the first stage. */
@@ -59,11 +59,9 @@ class GuideTraining {
   std::vector<GuideRecord> photonsOfStage(const Scene& scene, const Pass& pass, double count,
                                           const ForwardControl& control, TransportCounts& counts);
 
-  bool pays() const { return gain > timeRatio; }
-
   GuideTrainingSettings settings;
-  double timeRatio = 0;     ///< processor time of a guided path over that of another one
-  double gain = 0;          ///< see GuideStatistics; of the latest stage
+  double gain = 1;          ///< see GuideStatistics; of the latest stage
+  bool isFollowed = false;  ///< the guide repays its time
   int stage = -1;           ///< last completed stage; -1: none
   EmissionMixture emission; ///< learned before the first stage, for the photons of all stages
   std::vector<GuideRecord> records;

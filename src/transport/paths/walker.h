@@ -162,8 +162,8 @@ template <class State> class Walker {
 
   /** Russian roulette in a medium without end. A path that diffuses at distance r from the scene comes back
    * to a sphere of radius R with probability R / r at most, the solution of Laplace's equation outside of the
-   * sphere, and survives the first arrival at r with this probability. The sphere has the scene inside, and
-   * what is seen in the medium around it. */
+   * sphere, and survives the first arrival at r with this probability. The sphere contains the scene, and the
+   * medium around it up to the depth to which light reaches the camera. */
   bool staysNear(Path& path, const Medium& medium, const Vec3f& position, Sampler& sampler) const {
     constexpr float VISIBLE = 4; // depth to which the medium is seen [mean free paths]
     const SceneBounds& bounds = scene.bounds();
