@@ -40,6 +40,7 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Re
   SurfacePoint& point = hit.point;
   point.position = record.position;
   point.error = Vec3f(record.error);
+  point.time = record.time;
   point.geometricNormal = point.shadingNormal = record.normal;
   const SampledLight choice(scene.lights(), lights, lightSampleContext(lights, point, record.normal),
                             sampler);
