@@ -11,7 +11,6 @@
 #include "apps/options/namedRun.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/run/interrupt.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"

@@ -8,7 +8,6 @@
 #include "apps/commands/commands.h"
 #include "apps/figures/figureKinds.h"
 #include "apps/options/optionText.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/report/figures/figureDrawing.h"

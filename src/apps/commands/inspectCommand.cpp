@@ -7,7 +7,6 @@
 #include "apps/commands/commands.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"

@@ -8,7 +8,6 @@
 #include "apps/load/missedLight.h"
 #include "apps/options/namedRun.h"
 #include "apps/options/optionText.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/run/interrupt.h"
 #include "apps/run/outputFiles.h"
 #include "recurse/core/io/atomicFile.h"

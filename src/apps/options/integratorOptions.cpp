@@ -7,7 +7,6 @@
 #include <algorithm>
 
 #include "apps/options/optionText.h"
-#include "apps/options/repeatedOption.h"
 #include "recurse/core/io/error.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/scene/parameters/otherNames.h"

@@ -1,5 +1,5 @@
 /** @file
- * Parsing and printing of small values.
+ * Parsing and printing of small values; options that may be repeated.
  */
 #include "apps/options/optionText.h"
 
@@ -7,10 +7,17 @@
 #include <cmath>
 #include <optional>
 
+#include <CLI/CLI.hpp>
+
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/text.h"
 
 namespace recurse::apps {
+
+CLI::Option* addRepeatedOption(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                               const std::string& description) {
+  return command.add_option(name, values, description)->expected(1)->allow_extra_args(false)->take_all();
+}
 
 void badUsage(const std::string& message) { throw Error(message, ExitStatus::BAD_USAGE); }
 

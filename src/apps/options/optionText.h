@@ -1,5 +1,6 @@
 /** @file
- * Values of options as text: parsed strictly, with errors that say what would be accepted.
+ * Values of options as text: parsed strictly, with errors that say what would be accepted. Options that may
+ * be repeated.
  */
 #pragma once
 
@@ -12,7 +13,17 @@
 #include "recurse/model/camera/camera.h"
 #include "recurse/pathclasses/pathEvent.h"
 
+namespace CLI {
+class App;
+class Option;
+} // namespace CLI
+
 namespace recurse::apps {
+
+/** Adds an option that takes one value each time it is given; `values` receives all of them, in order. What
+ * follows a value belongs to the command. */
+CLI::Option* addRepeatedOption(CLI::App& command, const std::string& name, std::vector<std::string>& values,
+                               const std::string& description);
 
 [[noreturn]] void badUsage(const std::string& message);
 

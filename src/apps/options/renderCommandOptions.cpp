@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "apps/options/optionText.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/run/console.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/text.h"

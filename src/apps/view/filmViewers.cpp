@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "apps/options/optionText.h"
-#include "apps/options/repeatedOption.h"
 #include "apps/view/tevClient.h"
 #include "recurse/core/io/error.h"
 
