@@ -104,6 +104,34 @@ TEST(ErrorEstimate, StandardErrorOfKnownSplats) {
               1e-6);
 }
 
+/** Few samples find a lamp; most pixels are black. */
+TEST(ErrorEstimate, OfLightThatFewSamplesFind) {
+  constexpr float CHANCE = 1.0f / 1024;
+  Film film({0, 0, WIDTH, WIDTH}, 1);
+  for (size_t i = 0; i < film.bounds().area(); ++i)
+    for (uint32_t s = 0; s < SAMPLES; ++s) {
+      const Rgb value(Sampler(i, 1, 0).fork(s).next1D() < CHANCE ? 1 / CHANCE : 0);
+      film.add(i, s, 1, &value, value);
+    }
+  const double truth = std::sqrt((1 / double(CHANCE) - 1) / SAMPLES); // relative to the mean of 1
+  EXPECT_NEAR(film.relativeError(), truth, 0.5 * truth);
+}
+
+/** What lies far from a small lit object is black and without error. */
+TEST(ErrorEstimate, CountsBlackPixelsNearOthersOnly) {
+  Film film({0, 0, WIDTH, WIDTH}, 1);
+  for (size_t i = 0; i < film.bounds().area(); ++i)
+    for (uint32_t s = 0; s < SAMPLES; ++s) {
+      const bool isLit = i % WIDTH < 8 && i / WIDTH < 8;
+      const Rgb value(isLit ? 1 + 0.5f * either(Sampler(i, 1, 0).fork(s)) : 0);
+      film.add(i, s, 1, &value, value);
+    }
+  const double ofObject = 0.5 / std::sqrt(double(SAMPLES));
+  EXPECT_EQ(film.standardErrors().back(), 0);
+  EXPECT_GT(film.relativeError(), 0.9 * ofObject);
+  EXPECT_LT(film.relativeError(), 4 * ofObject);
+}
+
 TEST(ErrorEstimate, IsNearTheTrueError) {
   const auto scene = sceneFrom(litCorner(24));
   const Rendered truth = renderScene(*scene, "path", "", samples(4096), 5);

@@ -4,31 +4,40 @@
 #include "recurse/model/film/film.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace recurse {
 
 namespace {
 
-/** Variances of the same mean: from the spread of samples and from the difference of half buffers. */
-struct VariancePair {
-  double ofSamples = 0, ofHalves = 0;
-};
+/** Two values for each pixel of an image. */
+using Pairs = std::vector<std::array<double, 2>>;
 
-/** Sums over `reach` pixels before and after each pixel, along `lines` rows of `length` pixels, or with
- * `down` along columns. */
-std::vector<VariancePair> sumsAlong(const std::vector<VariancePair>& values, int length, int lines, bool down,
-                                    int reach) {
-  std::vector<VariancePair> sums(values.size());
+/** Means over the pixels at most `reach` before and after each pixel, along `lines` rows of `length` pixels,
+ * or with `down` along columns. */
+Pairs meansAlong(const Pairs& values, int length, int lines, bool down, int reach) {
+  Pairs means(values.size());
   for (int line = 0; line < lines; ++line) {
     const auto at = [&](int k) { return size_t(down ? k * lines + line : line * length + k); };
-    for (int k = 0; k < length; ++k)
-      for (int other = std::max(0, k - reach); other <= std::min(length - 1, k + reach); ++other) {
-        sums[at(k)].ofSamples += values[at(other)].ofSamples;
-        sums[at(k)].ofHalves += values[at(other)].ofHalves;
+    for (int k = 0; k < length; ++k) {
+      const int begin = std::max(0, k - reach), end = std::min(length, k + reach + 1);
+      for (size_t value = 0; value < 2; ++value) {
+        double sum = 0;
+        for (int other = begin; other < end; ++other) sum += values[at(other)][value];
+        means[at(k)][value] = sum / (end - begin);
       }
+    }
   }
-  return sums;
+  return means;
+}
+
+/** Means over squares of pixels around each pixel of an image. */
+Pairs meansAround(const Pairs& values, const PixelBounds& bounds) {
+  constexpr int REACH = 8; // [pixels]: the difference of a single pixel's halves is too noisy
+  const Pairs means = meansAlong(values, bounds.width(), bounds.height(), false, REACH);
+  return meansAlong(means, bounds.height(), bounds.width(), true, REACH);
 }
 
 } // namespace
@@ -94,6 +103,13 @@ std::optional<double> Film::varianceByHalves(size_t pixel) const {
   return difference * difference * half * other / (n * n);
 }
 
+double Film::chanceOfBlack(size_t pixel) const {
+  const Pixel& p = pixels[pixel];
+  if (!(p.luminance > 0)) return 1;
+  const double mean = p.luminance / double(p.samples);
+  return std::pow(1 - mean * mean / (mean * mean + variance(pixel)), double(p.samples));
+}
+
 double Film::darkLuminance() const {
   constexpr double DARK = 0.1; // fraction of the mean
   double sum = 0;
@@ -102,22 +118,32 @@ double Film::darkLuminance() const {
 }
 
 std::vector<double> Film::standardErrors() const {
-  constexpr int AROUND = 8; // reach [pixels]: the difference of a single pixel's halves is too noisy
-  const int width = pixelBounds.width(), height = pixelBounds.height();
   const double dark = darkLuminance();
-  std::vector<VariancePair> relative(pixels.size());
+  const auto scale = [&](double luminance) { return std::max(luminance, dark); };
+  std::vector<double> variances(pixels.size());
+  Pairs ofSamplesAndHalves(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    variances[i] = pixels[i].samples > 0 ? variance(i) / double(pixels[i].samples) : 0;
+    const std::optional<double> byHalves = varianceByHalves(i);
+    const double square = scale(luminanceOf(i)) * scale(luminanceOf(i));
+    if (byHalves && square > 0) ofSamplesAndHalves[i] = {variances[i] / square, *byHalves / square};
+  }
+  ofSamplesAndHalves = meansAround(ofSamplesAndHalves, pixelBounds);
+  Pairs varianceAndLuminance(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const auto [ofSamples, ofHalves] = ofSamplesAndHalves[i];
+    if (ofSamples > 0) variances[i] *= ofHalves / ofSamples;
+    varianceAndLuminance[i] = {variances[i] * chanceOfBlack(i), luminanceOf(i)};
+    if (splatPlane) variances[i] += splatPlane->variance(i);
+  }
+  varianceAndLuminance = meansAround(varianceAndLuminance, pixelBounds);
   std::vector<double> errors(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
-    errors[i] = pixels[i].samples > 0 ? variance(i) / double(pixels[i].samples) : 0;
-    const std::optional<double> byHalves = varianceByHalves(i);
-    const double scale = std::max(luminanceOf(i), dark);
-    if (byHalves && scale > 0) relative[i] = {errors[i] / (scale * scale), *byHalves / (scale * scale)};
-  }
-  const std::vector<VariancePair> around =
-      sumsAlong(sumsAlong(relative, width, height, false, AROUND), height, width, true, AROUND);
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const double ratio = around[i].ofSamples > 0 ? around[i].ofHalves / around[i].ofSamples : 1;
-    errors[i] = std::sqrt(errors[i] * ratio + (splatPlane ? splatPlane->variance(i) : 0));
+    const auto [around, luminance] = varianceAndLuminance[i];
+    if (luminanceOf(i) > 0)
+      errors[i] = std::sqrt(variances[i]);
+    else if (luminance > 0)
+      errors[i] = std::sqrt(around) * dark / scale(luminance);
   }
   return errors;
 }
@@ -126,11 +152,13 @@ double Film::relativeError() const {
   for (const Pixel& p : pixels)
     if (p.samples < MIN_SAMPLES) return std::numeric_limits<double>::infinity();
   const double dark = darkLuminance();
-  if (!(dark > 0)) return 0; // a black picture
-  std::vector<double> errors = standardErrors();
-  for (size_t i = 0; i < pixels.size(); ++i) errors[i] /= std::max(luminanceOf(i), dark);
-  const auto percentile = errors.begin() + std::ptrdiff_t(0.95 * double(errors.size() - 1));
-  std::nth_element(errors.begin(), percentile, errors.end());
+  const std::vector<double> errors = standardErrors();
+  std::vector<double> relative;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (luminanceOf(i) > 0 || errors[i] > 0) relative.push_back(errors[i] / std::max(luminanceOf(i), dark));
+  if (relative.empty()) return 0; // a black picture
+  const auto percentile = relative.begin() + std::ptrdiff_t(0.95 * double(relative.size() - 1));
+  std::nth_element(relative.begin(), percentile, relative.end());
   return *percentile;
 }
 

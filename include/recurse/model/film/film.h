@@ -137,13 +137,16 @@ class Film {
    * sample variance gives the distribution of the error, not its scale. The scale is the difference of two
    * halves of the samples, each of whole batches of consecutive ones, averaged over neighbouring pixels.
    * Errors common to all samples, such as those from a single photon map, are not included. The variance of
-   * splats is included; the variance of samples is zero before the second sample.
+   * splats is included; the variance of samples is zero before the second sample. The samples of a black
+   * pixel have no spread, although light may only be hard to find: relative to a tenth of the image's mean,
+   * its error is the root mean square of errors around it, each times the chance that such a pixel would be
+   * black, relative to the mean luminance there.
    */
   std::vector<double> standardErrors() const;
   /**
    * Error of the whole image: 95th percentile over pixels of standard error over luminance, which counts
-   * as at least a tenth of the image's mean. Infinite while a pixel has fewer than MIN_SAMPLES
-   * samples, too few for a sample variance; 0 for a black image.
+   * as at least a tenth of the image's mean. Black pixels count only near others. Infinite while a pixel has
+   * fewer than MIN_SAMPLES samples, too few for a sample variance; 0 for a black image.
    */
   double relativeError() const;
   static constexpr uint64_t MIN_SAMPLES = 8;
@@ -151,6 +154,9 @@ class Film {
  private:
   static constexpr uint32_t BATCH = 8; ///< samples; a power of two, like the strata of Sobol' points
 
+  /** Chance that all samples of a pixel are black if each is with the same probability, and all others are
+   * equal: by the mean and variance of its samples. */
+  double chanceOfBlack(size_t pixel) const;
   /** Luminance below which relative errors are not visible: a tenth of the image's mean. */
   double darkLuminance() const;
   /** Variance of the mean of a pixel's samples from the difference of its halves; empty with one half. */
