@@ -325,6 +325,13 @@ TEST_F(ProgramUsage, TheProgramTakesNoMoreMemoryThanItMay) {
   EXPECT_EQ(refused.status, 1);
   EXPECT_TRUE(has(refused.err, "photons needs about")) << refused.err;
   EXPECT_EQ(run({"render", "scene.pbrt", "--photons", "10k", "--memory", "30G", "-q"}).status, 0);
+  for (const auto& [integrator, number] :
+       {std::pair("bdpt", "lightpaths=20M"), std::pair("vcm", "photons=20M")}) {
+    const Outcome paths =
+        run({"render", "scene.pbrt", "--integrator", integrator, "--set", number, "--memory", "300M", "-q"});
+    EXPECT_EQ(paths.status, 1);
+    EXPECT_TRUE(has(paths.err, "20000000 light paths needs about")) << paths.err;
+  }
   EXPECT_EQ(run({"render", "scene.pbrt", "--memory", "much"}).status, 2);
 }
 

@@ -305,6 +305,40 @@ TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
   }
 }
 
+/** The surface where the density is above 0 has the solid angle, counted once for each meeting of a ray, that
+ * the samples have. */
+TEST(ShapeDensity, IsZeroWhereThereAreNoSamples) {
+  if (SANITIZED) GTEST_SKIP() << "too few samples";
+  Random random(61);
+  for (const Specimen& s : sampledSpecimens())
+    for (const double distance : {0.2, 4.0}) {
+      const Vec3f from = placeAway(random, s, distance);
+      const Vec3d towards = distance > 1 ? glm::normalize(s.center() - Vec3d(from)) : Vec3d(0, 0, 1);
+      const double cosMax = distance > 1 ? std::sqrt(1 - 1 / (distance * distance)) : -1;
+      const double solidAngle = 2 * PI_DOUBLE * (1 - cosMax);
+      const Frame frame{Vec3f(towards)};
+      constexpr int COUNT = 10000;
+      double byDensity = 0, bySamples = 0, squares = 0;
+      for (int i = 0; i < COUNT; ++i) {
+        const double c = random.uniform(cosMax, 1), phi = random.uniform(0, 2 * PI_DOUBLE),
+                     r = std::sqrt(1 - c * c);
+        const Vec3d d =
+            Vec3d(frame.x) * (r * std::cos(phi)) + Vec3d(frame.y) * (r * std::sin(phi)) + towards * c;
+        int meetings = 0;
+        for (const Meeting& m : allMeetings(*s.shape, from, Vec3f(d)))
+          meetings +=
+              s.shape->pdfDirection(from, m.primitive, s.shape->surfaceAt(m.primitive, m.parameters)) > 0;
+        byDensity += meetings * solidAngle / COUNT;
+        squares += square(meetings * solidAngle) / COUNT;
+        if (const auto sample = s.shape->sampleDirection(from, random.unit(), random.unit2())) {
+          bySamples += 1 / double(sample->pdf) / COUNT;
+          squares += square(1 / double(sample->pdf)) / COUNT;
+        }
+      }
+      EXPECT_NEAR(byDensity, bySamples, 4.5 * std::sqrt(squares / COUNT)) << s.name << " from " << distance;
+    }
+}
+
 TEST(Shape, OutsideIsWherePbrtHasIt) {
   Random random(7);
   const std::pair<const char*, ShapeContext> contexts[] = {

@@ -419,6 +419,15 @@ AttributeEnd
 )";
 }
 
+/** Scene of a floor and the medium "mist". */
+std::string floorWith(const std::string& shapes) {
+  return view(16, "0 1.4 -4.5  0 .8 0  0 1 0", 44) + R"(
+MakeNamedMedium "mist" "string type" "homogeneous" "rgb sigma_a" [ .4 .3 .2 ] "rgb sigma_s" [ .3 .4 .5 ]
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -3 0 -3  3 0 -3  -3 0 3  3 0 3 ])" +
+         shapes;
+}
+
 Film renderMediaClasses(const Scene& scene, const std::string& integrator, const std::string& parameters,
                         const PathClasses& classes, int count, int threads = 0) {
   return renderScene(scene, *integratorFrom(integrator, parameters), classes, count, 0, threads).film;
@@ -444,11 +453,11 @@ void expectSameByClass(const Film& film, const Film& truth, const PathClasses& c
   }
 }
 
-void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& asked,
-                         int photonSamples = 64) {
+void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& asked, int photonSamples = 64,
+                         int pathSamples = 16384) {
   const auto scene = sceneFrom(text);
   const PathClasses classes(asked);
-  const Film truth = renderMediaClasses(*scene, "path", "", classes, SANITIZED ? 512 : 16384);
+  const Film truth = renderMediaClasses(*scene, "path", "", classes, SANITIZED ? 512 : pathSamples);
   for (const std::string parameters : {"\"integer lightsamples\" 8", "\"string direct\" \"photons\""}) {
     const Film film =
         renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : photonSamples);
@@ -551,6 +560,29 @@ TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
                                       {"fogOnWalls", "L(V|S)*VDE"},
                                       {"walls", "LD+E"},
                                       {"secondary", "LD*VDV*DE"}});
+}
+
+TEST(MediaPhotons, OfALampAcrossABoundaryStartOnItsTwoSides) {
+  expectWhatPathFinds(floorWith(R"(
+AttributeBegin
+MediumInterface "mist" ""
+Material "interface"
+Shape "box" "point3 p1" [ -2.5 .01 -2.5 ] "point3 p2" [ 2.5 1.2 1.9 ]
+AttributeEnd
+AreaLightSource "diffuse" "rgb L" [ 8 8 8 ]
+Translate .3 1.2 .3
+Rotate 90 1 0 0
+Shape "cylinder" "float radius" .12 "float zmin" -1 "float zmax" 1)"),
+                      {{"reflected", "all - LE"}, {"scattered", "L.*V.*E"}, {"floor", "LD+E"}}, 16, 4096);
+}
+
+TEST(MediaPhotons, OfALampThatIsABoundaryStartOnItsTwoSides) {
+  expectWhatPathFinds(floorWith(R"(
+MediumInterface "mist" ""
+Material "interface"
+AreaLightSource "diffuse" "rgb L" [ 4 4 4 ] "bool twosided" true
+Shape "box" "point3 p1" [ -.4 .4 -.4 ] "point3 p2" [ .4 1.2 .4 ])"),
+                      {{"reflected", "all - LE"}, {"scattered", "L.*V.*E"}, {"floor", "LD+E"}}, 16, 4096);
 }
 
 TEST(PhotonBeams, FindWhatPointsFindClassByClass) {

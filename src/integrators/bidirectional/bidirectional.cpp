@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/cameraPaths.h"
@@ -24,6 +26,8 @@ namespace recurse {
 namespace {
 
 constexpr uint64_t BATCH = 4096;
+/** Number of initial batches that predict the memory of all: enough to occupy all threads. */
+constexpr size_t FIRST_BATCHES = 64;
 /** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
 
@@ -208,7 +212,7 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   LightPathRecorder* const recorder = control.lightPaths;
   std::vector<std::vector<RecordedLightVertex>> records(recorder ? batches : 0);
   if (recorder) recorder->beginPass(count);
-  parallelFor(batches, [&](size_t b) {
+  const auto traceBatch = [&](size_t b) {
     if (control.stopped()) return;
     LightWalk walks(*this, scene, classes, counts[b], splatter, pass.time, parts[b]);
     for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i) {
@@ -218,7 +222,14 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
     }
     bytes[b] = parts[b].memoryBytes();
     if (!keepsLightPaths()) parts[b] = {};
-  });
+  };
+  const size_t first = std::min((batches + 7) / 8, FIRST_BATCHES);
+  parallelFor(first, traceBatch);
+  if (keepsLightPaths())
+    requireMemory(std::to_string(count) + " light paths",
+                  2 * double(std::accumulate(bytes.begin(), bytes.end(), size_t(0))) * double(batches) /
+                      double(first));
+  parallelFor(batches - first, [&](size_t b) { traceBatch(first + b); });
   if (splatter) splatter->addPaths(count);
   for (const auto& record : records) recorder->append(record);
   if (keepsLightPaths())

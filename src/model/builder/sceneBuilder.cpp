@@ -180,17 +180,19 @@ class SceneBuilder {
   /** Medium where all rays start, the camera or a lamp, by the surfaces around. Camera paths and light paths
    * must agree about media. Warns if it is not the `named` one, but not of lamps for which none is named.
    * `otherwise`: the medium where no surface and no name determines it; `what`: "camera" or "lamp". */
-  uint16_t surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
-                             const std::string& what, const SourceLocation& where) {
+  MediumOfLight surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
+                                  const std::string& what, const SourceLocation& where) {
     uint64_t traced = 0;
-    const uint16_t found = mediumAround(*scene, rays, named ? named : otherwise, traced);
+    const MediumOfLight around = mediumAround(*scene, rays, named ? named : otherwise, traced);
+    if (around.varies && what == "lamp") return {named ? named : otherwise, true};
+    const uint16_t found = around.index;
     const std::string name = found ? media.name(found - 1u) : "";
     const bool isOfMaterial = found && name.empty(); // which no MediumInterface can name
     if (found != named && !isOfMaterial && (named != 0 || what == "camera"))
       diagnostics.warning(
           where, "the " + what + " is inside of " + media.title(found) + ", not of " + media.title(named),
           "MediumInterface \"\" \"" + name + "\" before it");
-    return found;
+    return around;
   }
 
   /** Finds the media around the camera and the finite lights. */
@@ -205,7 +207,7 @@ class SceneBuilder {
       if (const std::optional<CameraRay> ray = scene->sceneCamera->sampleRay({size * sampler.next2D()}))
         rays.push_back({ray->origin, ray->direction, INFINITE, time});
     uint16_t& ofCamera = scene->mediumOfCamera;
-    ofCamera = surroundingMedium(rays, ofCamera, 0, "camera", description.camera.location);
+    ofCamera = surroundingMedium(rays, ofCamera, 0, "camera", description.camera.location).index;
     for (size_t i = 0; i < scene->lights().size(); ++i) {
       const Light& light = scene->lights()[i];
       if (light.isInfinite()) continue;
@@ -215,9 +217,10 @@ class SceneBuilder {
         if (const std::optional<LeSample> s = light.sampleLe(random))
           rays.push_back({s->origin, s->direction, INFINITE, time});
       }
-      uint16_t& medium = scene->mediaOfLights[i];
-      medium = surroundingMedium(rays, medium, ofCamera, "lamp",
-                                 scene->sceneLamps[scene->lampsOfLights[i]].location);
+      MediumOfLight& medium = scene->mediaOfLights[i];
+      if (!medium.varies)
+        medium = surroundingMedium(rays, medium.index, ofCamera, "lamp",
+                                   scene->sceneLamps[scene->lampsOfLights[i]].location);
     }
   }
 
@@ -313,7 +316,7 @@ class SceneBuilder {
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
       scene->lampsOfLights.push_back(lamp->second);
-      scene->mediaOfLights.push_back(p.media.outside);
+      scene->mediaOfLights.push_back({p.media.outside, p.media.isBoundary() && !isOpaque(p.material)});
       keep(std::move(light), d.location, table);
     };
     for (const ShapeGroups::Placed& p : shapes.groups().front().placed) addAreaLight(p, Mat4d(1));
@@ -337,7 +340,7 @@ class SceneBuilder {
       } else if (light->isDelta()) {
         ++scene->sceneContents.deltaLights;
       }
-      scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
+      scene->mediaOfLights.push_back({media.number(l.medium, l.light.location)});
       keep(std::move(light), l.light.location, table);
     }
     if (!diagnostics.hasErrors()) checkLightScales();

@@ -48,12 +48,13 @@ void addMedium(const Scene& scene, Ray ray, Sampler& sampler, Votes& byBoundarie
 
 } // namespace
 
-uint16_t mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named, uint64_t& traced) {
+MediumOfLight mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named, uint64_t& traced) {
   Votes byBoundaries(scene.mediumCount() + 1), bySurfaces = byBoundaries;
   Sampler sampler(0, 0, 0);
   for (const Ray& ray : rays) addMedium(scene, ray, sampler, byBoundaries, bySurfaces, traced);
-  if (const auto medium = mostFrequent(byBoundaries)) return *medium;
-  return named != 0 ? named : mostFrequent(bySurfaces).value_or(0);
+  const auto without = static_cast<size_t>(std::count(byBoundaries.begin(), byBoundaries.end(), 0));
+  if (const auto medium = mostFrequent(byBoundaries)) return {*medium, without + 1 < byBoundaries.size()};
+  return {named != 0 ? named : mostFrequent(bySurfaces).value_or(0)};
 }
 
 } // namespace recurse

@@ -144,8 +144,10 @@ class Sphere final : public Shape {
   float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);
-    return coneIsSeen(from, distance2) ? conePdf(square(map.uniformScale) / distance2)
-                                       : Shape::pdfDirection(from, primitive, point);
+    if (!coneIsSeen(from, distance2)) return Shape::pdfDirection(from, primitive, point);
+    // Rays through an alpha texture or a thin pane hit the far side, where sampleDirection() has no points.
+    const double radius2 = square(map.uniformScale);
+    return glm::dot(away, Vec3d(point.position) - center) < radius2 ? 0 : conePdf(radius2 / distance2);
   }
 
  private:

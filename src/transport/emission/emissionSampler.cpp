@@ -46,8 +46,9 @@ std::optional<LightStart> EmissionSampler::start(float time, Sampler& sampler) c
   if (!byMedium && isInfinite)
     path.nesting.startIn(settings.outside);
   else if (!byMedium) {
-    const uint16_t atFirst = scene.lightMedium(start.end.index);
-    path.nesting.startIn(scene.moves() ? mediumAround(scene, {&path.ray, 1}, atFirst, counts.rays) : atFirst);
+    const auto [medium, varies] = scene.lightMedium(start.end.index);
+    path.nesting.startIn(
+        varies || scene.moves() ? mediumAround(scene, {&path.ray, 1}, medium, counts.rays).index : medium);
   }
   path.hero = drawHero(sampler.next1D());
   return start;

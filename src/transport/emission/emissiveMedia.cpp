@@ -114,7 +114,7 @@ Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& 
   if (isBlack(emission)) return emission;
   const Ray ray{position, glm::normalize(Vec3f(0.61f, 0.47f, 0.83f)), INFINITE, time};
   nesting = nestingAt(scene, ray, counts);
-  nesting.startIn(mediumAround(scene, {&ray, 1}, outside, counts.rays));
+  nesting.startIn(mediumAround(scene, {&ray, 1}, outside, counts.rays).index);
   return nesting.medium(scene) == medium ? emission : BLACK;
 }
 

@@ -78,6 +78,12 @@ struct Lamp {
   SourceLocation location; ///< of the LightSource or Shape
 };
 
+/** Medium around a finite light. */
+struct MediumOfLight {
+  uint16_t index = 0;  ///< if it varies: where surfaces do not tell
+  bool varies = false; ///< the light is a boundary of media, or reaches across one
+};
+
 /** Light chosen from the table. */
 struct ChosenLight {
   const Light* light = nullptr;
@@ -184,9 +190,9 @@ class Scene {
   size_t mediumCount() const { return sceneMedia.size(); }
   /** Index of the medium around the camera, by the surfaces around; if they bound none, the one named. */
   uint16_t cameraMedium() const { return mediumOfCamera; }
-  /** Index of the medium around a finite light, by the surfaces around; if they bound none, the one named,
-   * else the camera's. */
-  uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
+  /** Medium around a finite light, by the surfaces around; if they bound none, the one named, else the
+   * camera's. */
+  const MediumOfLight& lightMedium(size_t light) const { return mediaOfLights[light]; }
   static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around a dielectric
   /** Index of the medium inside of a nested dielectric with priority, or SURROUNDING_MEDIUM. */
   uint16_t nestedMedium(size_t nested) const { return nestedMedia[nested]; }
@@ -219,7 +225,7 @@ class Scene {
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
   std::vector<uint16_t> nestedMedia;   ///< medium inside each entry of nestedDielectrics
-  std::vector<uint16_t> mediaOfLights; ///< in the order of the light table
+  std::vector<MediumOfLight> mediaOfLights; ///< in the order of the light table
   uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;
   bool shapesMove = false;
