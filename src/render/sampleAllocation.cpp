@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
+#include <optional>
 
 #include "recurse/core/sampling/sampler.h"
 #include "recurse/core/threads/parallel.h"
@@ -24,7 +24,7 @@ constexpr int PAIRS = 4;
 constexpr int WIDE = 12;
 /** Weight of rare samples: they decide only where usual deviations are nearly equal. */
 constexpr double RARE_WEIGHT = 0.01;
-/** Rounding step of predictions: errors of area sums must not let a pixel's own value influence its class. */
+/** Rounding step of predictions, above the rounding errors of area sums. */
 constexpr double MIN_STEP = 1e-10;
 /** Maximum ratio of mean square to squared mean of ordinary deviations; above it, rare samples cause them. */
 constexpr double EVEN_SPREAD = 2;
@@ -47,7 +47,6 @@ struct Range {
 struct PixelSquare {
   PixelSquare(size_t pixel, int reach, size_t width, size_t height)
       : x(pixel % width, reach, width), y(pixel / width, reach, height) {}
-  double others() const { return double(x.size() * y.size()) - 1; }
   Range x, y;
 };
 
@@ -68,36 +67,79 @@ class AreaSums {
     return sums[y.end * stride + x.end] - sums[y.end * stride + x.first] - sums[y.first * stride + x.end] +
            sums[y.first * stride + x.first];
   }
-  /** Mean over the square without its centre, whose value is `own`. */
-  double meanAround(const PixelSquare& s, double own) const {
-    return s.others() > 0 ? std::max(0.0, sum(s.x, s.y) - own) / s.others() : 0;
-  }
 
  private:
   size_t stride;
   std::vector<double> sums;
 };
 
-/** Sorts pixels by `key` into classes of at least MIN_CLASS, and gives each pixel the mean of `value` over
- * its class. Equal keys are in the same class. */
-std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value) {
-  std::vector<uint32_t> order(key.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return key[a] != key[b] ? key[a] < key[b] : a < b; // a total order keeps sums reproducible
-  });
-  const size_t size = std::max(SampleAllocation::MIN_CLASS, (key.size() + MAX_CLASSES - 1) / MAX_CLASSES);
-  std::vector<double> mean(key.size());
-  for (size_t first = 0, end = 0; first < order.size(); first = end) {
-    end = std::min(first + size, order.size());
-    while (end < order.size() && key[order[end]] == key[order[end - 1]]) ++end;
-    if (order.size() - end < size) end = order.size();
-    double sum = 0;
-    for (size_t k = first; k < end; ++k) sum += value[order[k]];
-    for (size_t k = first; k < end; ++k) mean[order[k]] = sum / double(end - first);
+/** Quarter of the pixels of a picture, number 0 to 3, with a random one of each 2 x 2: its samples are
+ * allocated by the samples of the others. */
+struct Quarter {
+  static constexpr size_t COUNT = 4;
+  size_t number, width; ///< width of the picture
+  bool has(size_t pixel) const {
+    const size_t x = pixel % width, y = pixel / width;
+    return (x % 2 + y % 2 * 2 + hashCombine(x / 2, y / 2)) % COUNT == number;
   }
-  return mean;
-}
+};
+
+/** Means of a value over squares, without the pixels of a quarter. */
+class MeansOfOthers {
+ public:
+  MeansOfOthers(const Quarter& quarter, const std::vector<double>& values, size_t width, size_t height)
+      : quarter(quarter), masked(values), width(width), height(height) {
+    std::vector<double> ones(values.size());
+    for (size_t i = 0; i < values.size(); ++i) (quarter.has(i) ? masked[i] = 0 : ones[i] = 1);
+    sums.emplace(masked, width, height);
+    counts.emplace(ones, width, height);
+  }
+  /** Mean over the square around a pixel, which does not count itself. */
+  double around(size_t pixel, int reach) const {
+    const PixelSquare s(pixel, reach, width, height);
+    const double count = counts->sum(s.x, s.y) - (quarter.has(pixel) ? 0 : 1);
+    return count > 0.5 ? std::max(0.0, sums->sum(s.x, s.y) - masked[pixel]) / count : 0;
+  }
+
+ private:
+  const Quarter quarter;
+  std::vector<double> masked;
+  size_t width, height;
+  std::optional<AreaSums> sums, counts;
+};
+
+/** Mean of `value` as a function of `key`, over classes of at least MIN_CLASS pixels outside of a quarter
+ * with similar keys. */
+class ClassMeans {
+ public:
+  ClassMeans(const Quarter& quarter, const std::vector<double>& key, const std::vector<double>& value) {
+    std::vector<uint32_t> order;
+    for (size_t i = 0; i < key.size(); ++i)
+      if (!quarter.has(i)) order.push_back(static_cast<uint32_t>(i));
+    std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+      return key[a] != key[b] ? key[a] < key[b] : a < b; // a total order keeps sums reproducible
+    });
+    const size_t size = std::max(SampleAllocation::MIN_CLASS, (order.size() + MAX_CLASSES - 1) / MAX_CLASSES);
+    for (size_t first = 0, end = 0; first < order.size(); first = end) {
+      end = std::min(first + size, order.size());
+      while (end < order.size() && key[order[end]] == key[order[end - 1]]) ++end;
+      if (order.size() - end < size) end = order.size();
+      double sum = 0;
+      for (size_t k = first; k < end; ++k) sum += value[order[k]];
+      largest.push_back(key[order[end - 1]]);
+      means.push_back(sum / double(end - first));
+    }
+  }
+  /** 0 if there is no other pixel. */
+  double at(double key) const {
+    if (means.empty()) return 0;
+    const auto found = std::lower_bound(largest.begin(), largest.end() - 1, key);
+    return means[size_t(found - largest.begin())];
+  }
+
+ private:
+  std::vector<double> largest, means; ///< largest key of each class, ascending; mean of its values
+};
 
 } // namespace
 
@@ -190,17 +232,31 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
     addStagePilots();
   }
   stage = {sample, end, seed};
-  double left = double(end) * double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     pixels[i].before = static_cast<uint32_t>(has[i]);
     pixels[i].extra = 0;
-    left -= double(has[i]) + double(pilots(sample, end));
   }
-  if (sample == 0 || !(left > 0)) return;
+  if (sample == 0) return;
 
   const std::vector<Need> need = needs();
+  for (size_t quarter = 0; quarter < Quarter::COUNT; ++quarter) allocateQuarter(quarter, need, sample, end);
+}
+
+void SampleAllocation::allocateQuarter(size_t number, const std::vector<Need>& need, int64_t sample,
+                                       int64_t end) {
+  const Quarter quarter{number, width};
   const double pilotsNow = double(pilots(sample, end)), most = MAX_SHARE * double(end);
   const double maps = mapPerSample ? double(end) : 0;
+  double left = 0, count = 0, largest = 0, least = INFINITY;
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    if (!quarter.has(i)) continue;
+    ++count;
+    left += double(end) - double(pixels[i].before) - pilotsNow;
+    if (!(need[i].eye > 0)) continue;
+    largest = std::max(largest, need[i].all);
+    least = std::min(least, need[i].eye);
+  }
+  left = std::max(0.0, left);
   const auto extraOf = [&](size_t i, double scale) {
     const double has = double(pixels[i].before) + pilotsNow;
     const double wanted = std::max(scale * need[i].eye, std::min(scale * need[i].all, maps));
@@ -211,18 +267,13 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
   const auto total = [&](double scale) {
     parallelFor(height, [&](size_t y) {
       rows[y] = 0;
-      for (size_t i = y * width; i < (y + 1) * width; ++i) rows[y] += extraOf(i, scale);
+      for (size_t i = y * width; i < (y + 1) * width; ++i)
+        if (quarter.has(i)) rows[y] += extraOf(i, scale);
     });
     double sum = 0;
     for (const double row : rows) sum += row;
     return sum;
   };
-  double largest = 0, least = INFINITY;
-  for (const Need& n : need)
-    if (n.eye > 0) {
-      largest = std::max(largest, n.all);
-      least = std::min(least, n.eye);
-    }
   double scale = 0;
   if (largest > 0) {
     double low = 0, high = most / least;
@@ -239,8 +290,9 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
     }
   }
   // Samples that no pixel needs are divided among all.
-  const double rest = std::max(0.0, left - total(scale)) / double(pixels.size());
+  const double rest = std::max(0.0, left - total(scale)) / std::max(1.0, count);
   for (size_t i = 0; i < pixels.size(); ++i) {
+    if (!quarter.has(i)) continue;
     // Random rounding to multiples, which are stratified better, unbiased on average.
     const double has = double(pixels[i].before) + pilotsNow, extra = extraOf(i, scale) + rest;
     const double multiple = mapPerSample ? 1 : ROUND_NUMBER;
@@ -266,28 +318,29 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
     deviation[i] = std::sqrt(variance[i]);
     blockVariance[i] = p.differencesSquared / paired / brightness[i];
   }
-  std::vector<double> boundary(pixels.size());
-  {
-    const AreaSums variances(variance, width, height), deviations(deviation, width, height);
+  std::vector<Need> out(pixels.size());
+  std::vector<double> key(pixels.size());
+  for (size_t number = 0; number < Quarter::COUNT; ++number) {
+    const Quarter quarter{number, width};
+    const MeansOfOthers variances(quarter, variance, width, height),
+        deviations(quarter, deviation, width, height);
     parallelFor(height, [&](size_t y) {
       for (size_t i = y * width; i < (y + 1) * width; ++i) {
         // Means of deviations limit the influence of a single bright sample.
-        const auto usual = [&](int reach) {
-          return deviations.meanAround({i, reach, width, height}, deviation[i]);
-        };
-        const double near = square((usual(INNER_REACH) + usual(OUTER_REACH)) / 2);
+        const double near =
+            square((deviations.around(i, INNER_REACH) + deviations.around(i, OUTER_REACH)) / 2);
         // Rare bright samples among few pilots say nothing about the pixel that got them: all pixels around
         // expect an equal part of their variance.
-        const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
-                                              EVEN_SPREAD * square(usual(WIDE)));
-        boundary[i] = std::round((near + RARE_WEIGHT * rare) / MIN_STEP) * MIN_STEP;
+        const double rare =
+            std::max(0.0, variances.around(i, WIDE) - EVEN_SPREAD * square(deviations.around(i, WIDE)));
+        key[i] = std::round((near + RARE_WEIGHT * rare) / MIN_STEP) * MIN_STEP;
       }
     });
+    const ClassMeans expected(quarter, key, mapPerSample ? variance : blockVariance);
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (quarter.has(i))
+        out[i].all = out[i].eye = std::pow(expected.at(key[i]), mapPerSample ? 0.5 : 1 / (1 + FALL));
   }
-  const std::vector<double> expected = meansOfClasses(boundary, mapPerSample ? variance : blockVariance);
-  std::vector<Need> out(pixels.size());
-  for (size_t i = 0; i < pixels.size(); ++i)
-    out[i].all = out[i].eye = std::pow(expected[i], mapPerSample ? 0.5 : 1 / (1 + FALL));
   if (mapPerSample) tellMapsApart(out, variance, brightness);
   return out;
 }

@@ -146,6 +146,20 @@ TEST(Adaptive, RareBrightSamplesCountForWhatTheyAre) {
   EXPECT_LT(wrong.value, 1 - 4 * wrong.error) << "this test would find no fault";
 }
 
+/** A class of pixels has a bright sample or two: a pixel must not get more samples than others after its own.
+ */
+TEST(Adaptive, TheOnlyBrightSampleOfManyPixelsCountsForWhatItIs) {
+  const auto scene = sceneFrom(emptyScene(24));
+  std::vector<double> means;
+  for (uint64_t seed = 1; seed <= uint64_t(samples(400)); ++seed) {
+    Formula formula(rareOnTheRight(0.001f, -1));
+    means.push_back(renderWith(*scene, formula, {.seed = seed}).mean());
+  }
+  const Mean mean(means);
+  EXPECT_LT(mean.error, SANITIZED ? 0.2 : 0.025);
+  EXPECT_NEAR(mean.value, 1, 4 * mean.error);
+}
+
 TEST(Adaptive, SamplesGoWhereTheErrorIs) {
   const auto scene = sceneFrom(emptyScene(32));
   const auto squaredError = [](const Rendered& r) {

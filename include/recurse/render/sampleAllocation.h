@@ -115,6 +115,9 @@ class SampleAllocation {
   /** Adds the pilot samples of the stage to the statistics of the pixels. */
   void addStagePilots();
   std::vector<Need> needs() const;
+  /** Allocates the samples of the stage to a quarter of the pixels, whose needs follow from the other three.
+   */
+  void allocateQuarter(size_t number, const std::vector<Need>& need, int64_t sample, int64_t end);
   void tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
                      const std::vector<double>& brightness) const;
   uint64_t hashOf(size_t pixel) const;
