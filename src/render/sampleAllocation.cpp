@@ -247,10 +247,11 @@ void SampleAllocation::allocateQuarter(size_t number, const std::vector<Need>& n
   const Quarter quarter{number, width};
   const double pilotsNow = double(pilots(sample, end)), most = MAX_SHARE * double(end);
   const double maps = mapPerSample ? double(end) : 0;
-  double left = 0, count = 0, largest = 0, least = INFINITY;
+  double left = 0, largest = 0, least = INFINITY;
+  std::vector<size_t> own;
   for (size_t i = 0; i < pixels.size(); ++i) {
     if (!quarter.has(i)) continue;
-    ++count;
+    own.push_back(i);
     left += double(end) - double(pixels[i].before) - pilotsNow;
     if (!(need[i].eye > 0)) continue;
     largest = std::max(largest, need[i].all);
@@ -262,16 +263,17 @@ void SampleAllocation::allocateQuarter(size_t number, const std::vector<Need>& n
     const double wanted = std::max(scale * need[i].eye, std::min(scale * need[i].all, maps));
     return std::clamp(wanted - has, 0.0, std::max(0.0, most - has));
   };
-  // Sums by rows do not depend on the number of threads.
-  std::vector<double> rows(height);
+  // Sums by blocks do not depend on the number of threads.
+  constexpr size_t SUMMED = 1024;
+  std::vector<double> sums((own.size() + SUMMED - 1) / SUMMED);
   const auto total = [&](double scale) {
-    parallelFor(height, [&](size_t y) {
-      rows[y] = 0;
-      for (size_t i = y * width; i < (y + 1) * width; ++i)
-        if (quarter.has(i)) rows[y] += extraOf(i, scale);
+    parallelFor(sums.size(), [&](size_t block) {
+      sums[block] = 0;
+      for (size_t k = block * SUMMED; k < std::min(own.size(), (block + 1) * SUMMED); ++k)
+        sums[block] += extraOf(own[k], scale);
     });
     double sum = 0;
-    for (const double row : rows) sum += row;
+    for (const double s : sums) sum += s;
     return sum;
   };
   double scale = 0;
@@ -290,9 +292,8 @@ void SampleAllocation::allocateQuarter(size_t number, const std::vector<Need>& n
     }
   }
   // Samples that no pixel needs are divided among all.
-  const double rest = std::max(0.0, left - total(scale)) / std::max(1.0, count);
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    if (!quarter.has(i)) continue;
+  const double rest = std::max(0.0, left - total(scale)) / std::max(1.0, double(own.size()));
+  for (const size_t i : own) {
     // Random rounding to multiples, which are stratified better, unbiased on average.
     const double has = double(pixels[i].before) + pilotsNow, extra = extraOf(i, scale) + rest;
     const double multiple = mapPerSample ? 1 : ROUND_NUMBER;
