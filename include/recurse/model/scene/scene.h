@@ -224,7 +224,7 @@ class Scene {
   std::vector<std::string> labelsOfMaterials, namesOfMedia;
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
-  std::vector<uint16_t> nestedMedia;   ///< medium inside each entry of nestedDielectrics
+  std::vector<uint16_t> nestedMedia;        ///< medium inside each entry of nestedDielectrics
   std::vector<MediumOfLight> mediaOfLights; ///< in the order of the light table
   uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;
