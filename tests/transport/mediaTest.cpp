@@ -567,7 +567,7 @@ TEST(MediaPhotons, OfALampAcrossABoundaryStartOnItsTwoSides) {
 AttributeBegin
 MediumInterface "mist" ""
 Material "interface"
-Shape "box" "point3 p1" [ -2.5 .01 -2.5 ] "point3 p2" [ 2.5 1.2 1.9 ]
+Shape "box" "point3 p1" [ -2.5 -.1 -2.5 ] "point3 p2" [ 2.5 1.2 1.9 ]
 AttributeEnd
 AreaLightSource "diffuse" "rgb L" [ 8 8 8 ]
 Translate .3 1.2 .3
@@ -578,6 +578,12 @@ Shape "cylinder" "float radius" .12 "float zmin" -1 "float zmax" 1)"),
 
 TEST(MediaPhotons, OfALampThatIsABoundaryStartOnItsTwoSides) {
   expectWhatPathFinds(floorWith(R"(
+AttributeBegin
+MediumInterface "mist" "mist"
+Material "diffuse"
+Translate 0 .8 0
+Shape "sphere" "float radius" .3
+AttributeEnd
 MediumInterface "mist" ""
 Material "interface"
 AreaLightSource "diffuse" "rgb L" [ 4 4 4 ] "bool twosided" true
