@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
 #include "recurse/core/sampling/sampler.h"
 #include "recurse/core/threads/parallel.h"
@@ -39,7 +38,6 @@ struct Range {
       : first(at - std::min(at, size_t(reach))), end(std::min(count, at + size_t(reach) + 1)) {}
   Range(size_t first, size_t end) : first(first), end(end) {}
   Range within(const Range& o) const { return {std::max(first, o.first), std::min(end, o.end)}; }
-  size_t size() const { return end - first; }
   size_t first, end;
 };
 
@@ -84,28 +82,33 @@ struct Quarter {
   }
 };
 
+std::vector<double> zeroIn(const Quarter& quarter, std::vector<double> values) {
+  for (size_t i = 0; i < values.size(); ++i)
+    if (quarter.has(i)) values[i] = 0;
+  return values;
+}
+
 /** Means of a value over squares, without the pixels of a quarter. */
 class MeansOfOthers {
  public:
-  MeansOfOthers(const Quarter& quarter, const std::vector<double>& values, size_t width, size_t height)
-      : quarter(quarter), masked(values), width(width), height(height) {
-    std::vector<double> ones(values.size());
-    for (size_t i = 0; i < values.size(); ++i) (quarter.has(i) ? masked[i] = 0 : ones[i] = 1);
-    sums.emplace(masked, width, height);
-    counts.emplace(ones, width, height);
-  }
+  /** `counts`: sums of 1 over the other pixels; must outlive the means. */
+  MeansOfOthers(const Quarter& quarter, const AreaSums& counts, const std::vector<double>& values,
+                size_t width, size_t height)
+      : quarter(quarter), counts(counts), values(zeroIn(quarter, values)), width(width), height(height),
+        sums(this->values, width, height) {}
   /** Mean over the square around a pixel, which does not count itself. */
   double around(size_t pixel, int reach) const {
     const PixelSquare s(pixel, reach, width, height);
-    const double count = counts->sum(s.x, s.y) - (quarter.has(pixel) ? 0 : 1);
-    return count > 0.5 ? std::max(0.0, sums->sum(s.x, s.y) - masked[pixel]) / count : 0;
+    const double count = counts.sum(s.x, s.y) - (quarter.has(pixel) ? 0 : 1);
+    return count > 0 ? std::max(0.0, sums.sum(s.x, s.y) - values[pixel]) / count : 0;
   }
 
  private:
   const Quarter quarter;
-  std::vector<double> masked;
-  size_t width, height;
-  std::optional<AreaSums> sums, counts;
+  const AreaSums& counts;
+  const std::vector<double> values;
+  const size_t width, height;
+  const AreaSums sums;
 };
 
 /** Mean of `value` as a function of `key`, over classes of at least MIN_CLASS pixels outside of a quarter
@@ -323,8 +326,9 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
   std::vector<double> key(pixels.size());
   for (size_t number = 0; number < Quarter::COUNT; ++number) {
     const Quarter quarter{number, width};
-    const MeansOfOthers variances(quarter, variance, width, height),
-        deviations(quarter, deviation, width, height);
+    const AreaSums counts(zeroIn(quarter, std::vector<double>(pixels.size(), 1)), width, height);
+    const MeansOfOthers variances(quarter, counts, variance, width, height),
+        deviations(quarter, counts, deviation, width, height);
     parallelFor(height, [&](size_t y) {
       for (size_t i = y * width; i < (y + 1) * width; ++i) {
         // Means of deviations limit the influence of a single bright sample.

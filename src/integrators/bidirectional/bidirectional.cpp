@@ -17,6 +17,7 @@
 #include "transport/direct/directLight.h"
 #include "transport/emission/emissionSampler.h"
 #include "transport/forward/photonGuidance.h"
+#include "transport/forward/shoot.h"
 #include "transport/learning/lightLearning.h"
 #include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
@@ -26,8 +27,6 @@ namespace recurse {
 namespace {
 
 constexpr uint64_t BATCH = 4096;
-/** Number of initial batches that predict the memory of all: enough to occupy all threads. */
-constexpr size_t FIRST_BATCHES = 64;
 /** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
 

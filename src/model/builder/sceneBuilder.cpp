@@ -180,10 +180,10 @@ class SceneBuilder {
   /** Medium where all rays start, the camera or a lamp, by the surfaces around. Camera paths and light paths
    * must agree about media. Warns if it is not the `named` one, but not of lamps for which none is named.
    * `otherwise`: the medium where no surface and no name determines it; `what`: "camera" or "lamp". */
-  MediumOfLight surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
-                                  const std::string& what, const SourceLocation& where) {
+  SurroundingMedium surroundingMedium(std::span<const Ray> rays, uint16_t named, uint16_t otherwise,
+                                      const std::string& what, const SourceLocation& where) {
     uint64_t traced = 0;
-    const MediumOfLight around = mediumAround(*scene, rays, named ? named : otherwise, traced);
+    const SurroundingMedium around = mediumAround(*scene, rays, named ? named : otherwise, traced);
     if (around.varies && what == "lamp") return {named ? named : otherwise, true};
     const uint16_t found = around.index;
     const std::string name = found ? media.name(found - 1u) : "";
@@ -210,17 +210,16 @@ class SceneBuilder {
     ofCamera = surroundingMedium(rays, ofCamera, 0, "camera", description.camera.location).index;
     for (size_t i = 0; i < scene->lights().size(); ++i) {
       const Light& light = scene->lights()[i];
-      if (light.isInfinite()) continue;
+      SurroundingMedium& medium = scene->mediaOfLights[i];
+      if (light.isInfinite() || medium.varies) continue;
       rays.clear();
       for (uint32_t k = 0; k < RAYS; ++k) {
         const LeRandom random{sampler.next1D(), sampler.next2D(), sampler.next2D(), time};
         if (const std::optional<LeSample> s = light.sampleLe(random))
           rays.push_back({s->origin, s->direction, INFINITE, time});
       }
-      MediumOfLight& medium = scene->mediaOfLights[i];
-      if (!medium.varies)
-        medium = surroundingMedium(rays, medium.index, ofCamera, "lamp",
-                                   scene->sceneLamps[scene->lampsOfLights[i]].location);
+      medium = surroundingMedium(rays, medium.index, ofCamera, "lamp",
+                                 scene->sceneLamps[scene->lampsOfLights[i]].location);
     }
   }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "recurse/core/math/vector.h"
+
 namespace recurse {
 
 namespace {
@@ -119,31 +121,31 @@ double Film::darkLuminance() const {
 
 std::vector<double> Film::standardErrors() const {
   const double dark = darkLuminance();
-  const auto scale = [&](double luminance) { return std::max(luminance, dark); };
-  std::vector<double> variances(pixels.size());
+  bool hasBlack = false;
+  std::vector<double> variances(pixels.size()), errors(pixels.size());
   Pairs ofSamplesAndHalves(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     variances[i] = pixels[i].samples > 0 ? variance(i) / double(pixels[i].samples) : 0;
     const std::optional<double> byHalves = varianceByHalves(i);
-    const double square = scale(luminanceOf(i)) * scale(luminanceOf(i));
-    if (byHalves && square > 0) ofSamplesAndHalves[i] = {variances[i] / square, *byHalves / square};
+    const double scale2 = square(std::max(luminanceOf(i), dark));
+    if (byHalves && scale2 > 0) ofSamplesAndHalves[i] = {variances[i] / scale2, *byHalves / scale2};
   }
   ofSamplesAndHalves = meansAround(ofSamplesAndHalves, pixelBounds);
-  Pairs varianceAndLuminance(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     const auto [ofSamples, ofHalves] = ofSamplesAndHalves[i];
     if (ofSamples > 0) variances[i] *= ofHalves / ofSamples;
-    varianceAndLuminance[i] = {variances[i] * chanceOfBlack(i), luminanceOf(i)};
-    if (splatPlane) variances[i] += splatPlane->variance(i);
+    errors[i] = std::sqrt(variances[i] + (splatPlane ? splatPlane->variance(i) : 0));
+    hasBlack = hasBlack || !(luminanceOf(i) > 0);
   }
+  if (!hasBlack) return errors;
+  Pairs varianceAndLuminance(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i)
+    varianceAndLuminance[i] = {variances[i] * chanceOfBlack(i), luminanceOf(i)};
   varianceAndLuminance = meansAround(varianceAndLuminance, pixelBounds);
-  std::vector<double> errors(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     const auto [around, luminance] = varianceAndLuminance[i];
-    if (luminanceOf(i) > 0)
-      errors[i] = std::sqrt(variances[i]);
-    else if (luminance > 0)
-      errors[i] = std::sqrt(around) * dark / scale(luminance);
+    if (!(luminanceOf(i) > 0) && luminance > 0)
+      errors[i] = std::sqrt(around) * dark / std::max(luminance, dark);
   }
   return errors;
 }

@@ -48,7 +48,8 @@ void addMedium(const Scene& scene, Ray ray, Sampler& sampler, Votes& byBoundarie
 
 } // namespace
 
-MediumOfLight mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named, uint64_t& traced) {
+SurroundingMedium mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named,
+                               uint64_t& traced) {
   Votes byBoundaries(scene.mediumCount() + 1), bySurfaces = byBoundaries;
   Sampler sampler(0, 0, 0);
   for (const Ray& ray : rays) addMedium(scene, ray, sampler, byBoundaries, bySurfaces, traced);

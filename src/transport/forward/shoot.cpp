@@ -20,8 +20,6 @@ namespace {
 
 /** Sampler stream of photons, distinct from the streams of pixels. */
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
-/** Number of initial batches: enough to occupy all threads and to predict the number of stored photons. */
-constexpr size_t FIRST_BATCHES = 64;
 
 template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -15,6 +15,9 @@ struct ShotPhotons : StoredPhotons {
   TransportCounts counts;   ///< work of this process
 };
 
+/** Number of initial batches of light paths that predict the memory of all: enough to occupy all threads. */
+constexpr size_t FIRST_BATCHES = 64;
+
 /**
  * Traces photons from the starts of settings.emission. Surfaces with a non-delta lobe and media store
  * photons; these continue by Russian roulette on the scattered flux, which keeps powers nearly equal. The

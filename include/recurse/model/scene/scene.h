@@ -78,10 +78,10 @@ struct Lamp {
   SourceLocation location; ///< of the LightSource or Shape
 };
 
-/** Medium around a finite light. */
-struct MediumOfLight {
-  uint16_t index = 0;  ///< if it varies: where surfaces do not tell
-  bool varies = false; ///< the light is a boundary of media, or reaches across one
+/** Medium around a finite light or the camera. */
+struct SurroundingMedium {
+  uint16_t index = 0;  ///< of the medium, or if it varies of the one where no boundary determines it
+  bool varies = false; ///< rays from different points or sides start in different media
 };
 
 /** Light chosen from the table. */
@@ -192,7 +192,7 @@ class Scene {
   uint16_t cameraMedium() const { return mediumOfCamera; }
   /** Medium around a finite light, by the surfaces around; if they bound none, the one named, else the
    * camera's. */
-  const MediumOfLight& lightMedium(size_t light) const { return mediaOfLights[light]; }
+  const SurroundingMedium& lightMedium(size_t light) const { return mediaOfLights[light]; }
   static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the medium around a dielectric
   /** Index of the medium inside of a nested dielectric with priority, or SURROUNDING_MEDIUM. */
   uint16_t nestedMedium(size_t nested) const { return nestedMedia[nested]; }
@@ -224,8 +224,8 @@ class Scene {
   std::vector<std::string> labelsOfMaterials, namesOfMedia;
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
-  std::vector<uint16_t> nestedMedia;        ///< medium inside each entry of nestedDielectrics
-  std::vector<MediumOfLight> mediaOfLights; ///< in the order of the light table
+  std::vector<uint16_t> nestedMedia;            ///< medium inside each entry of nestedDielectrics
+  std::vector<SurroundingMedium> mediaOfLights; ///< in the order of the light table
   uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;
   bool shapesMove = false;

@@ -29,9 +29,10 @@ inline uint16_t mediumBefore(const Hit& hit, const Vec3f& direction) {
  * of a random walk, which opaque surfaces reflect and others let pass, to the first boundary of media that
  * light passes; the most frequent medium counts. Without a boundary it is the `named` medium, or if that is 0
  * the one that the surfaces on the way are in. Opaque sheets are no boundaries: they have no inside, though a
- * MediumInterface may give them one. The result varies if the walks find several media. Adds the number of
- * rays to `traced`.
+ * MediumInterface may give them one. The medium varies if walks end at boundaries in different media. Adds
+ * the number of rays to `traced`.
  */
-MediumOfLight mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named, uint64_t& traced);
+SurroundingMedium mediumAround(const Scene& scene, std::span<const Ray> rays, uint16_t named,
+                               uint64_t& traced);
 
 } // namespace recurse

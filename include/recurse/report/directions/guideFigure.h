@@ -22,7 +22,7 @@ struct PixelDirections {
                   ///< BSDF
     GUIDE,        ///< learned by the guide, also where camera paths do not sample it
     BSDF,         ///< of BSDF sampling
-    MIXTURE,      ///< of both, from which guided camera paths sample
+    MIXTURE,      ///< of the mixture of guide and BSDF, by which guided camera paths are sampled
     DENSITIES
   };
   /** Cells of the equal-area disc, HemisphereDisc::CELLS a row. 0 everywhere: no light, or no density. */
