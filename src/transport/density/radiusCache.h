@@ -83,12 +83,15 @@ class RadiusCache {
  private:
   static constexpr size_t NEIGHBOURS = 8;
   std::vector<Record> records;                              ///< in the order of the slots of `index`
-  std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record: its nearest in `index`
+  std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record, see findNeighbours()
   /** Positions of the records, displaced along their normals by the largest radius of the search, so that the
    * two sides of a thin wall are two such radii apart. The nearest may still be on a different surface. */
   PhotonMap index;
   float limit = 0, lift = 0;
 
+  /** Finds the nearest records of each, at least one of them on another surface if there is one close by. A
+   * lookup on the next layer of a stack then ends on its own layer after two steps from neighbour to
+   * neighbour. */
   void findNeighbours();
   /** Region around the displaced position of a record at the point. */
   GatherRegion regionInIndex(const Vec3f& position, const Vec3f& normal) const {

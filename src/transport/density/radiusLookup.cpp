@@ -3,63 +3,64 @@
  */
 #include "transport/density/radiusCache.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "recurse/core/threads/parallel.h"
 
 namespace recurse {
 
 void RadiusCache::findNeighbours() {
+  constexpr int CANDIDATES = 4 * NEIGHBOURS; // among which a layer close by is found
   neighbours.resize(records.size());
   parallelFor(records.size(), [&](size_t i) {
     thread_local PhotonScratch scratch;
-    auto& others = neighbours[i];
-    others.fill(static_cast<uint32_t>(i));
-    index.nearest(regionInIndex(records[i].position, records[i].normal), NEIGHBOURS + 1, scratch);
-    size_t count = 0;
+    Record& record = records[i];
+    const auto distance2 = [&](uint32_t slot) {
+      return lengthSquared(record.position - records[slot].position);
+    };
+    std::vector<uint32_t> found;
+    index.nearest(regionInIndex(record.position, record.normal), CANDIDATES + 1, scratch);
     index.visitNearest(scratch, [&](const PhotonBlock& block) {
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
         const size_t slot = block.first + static_cast<size_t>(std::countr_zero(slots));
-        if (slot != i && count < NEIGHBOURS) others[count++] = static_cast<uint32_t>(slot);
+        if (slot != i) found.push_back(static_cast<uint32_t>(slot));
       }
     });
+    std::ranges::sort(found, {}, [&](uint32_t slot) { return std::pair(distance2(slot), slot); });
+    auto& others = neighbours[i];
+    others.fill(static_cast<uint32_t>(i));
+    const size_t count = std::min(found.size(), NEIGHBOURS);
     if (count == 0) return;
-    std::array<float, NEIGHBOURS> distances;
-    for (size_t j = 0; j < count; ++j)
-      distances[j] = glm::distance(records[i].position, records[others[j]].position);
-    const size_t chosen = std::min<size_t>(2, count - 1); // the third
-    std::nth_element(distances.begin(), distances.begin() + ptrdiff_t(chosen),
-                     distances.begin() + ptrdiff_t(count));
-    records[i].spacing = distances[chosen];
+    std::copy_n(found.begin(), count, others.begin());
+    record.spacing = std::sqrt(distance2(found[std::min<size_t>(2, count - 1)])); // of the third
+    // The last neighbour leads to the nearest record of another surface.
+    const auto other = std::ranges::find_if(found, [&](uint32_t slot) {
+      return !record.isOnSurfaceOf(records[slot].position, records[slot].normal);
+    });
+    if (other != found.end() && size_t(other - found.begin()) >= NEIGHBOURS) others.back() = *other;
   });
 }
 
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   thread_local PhotonScratch scratch;
   if (index.empty()) return {limit, nullptr, INFINITE, 0};
-  const auto isSameSurface = [&](const Record& record) { return record.isOnSurfaceOf(position, normal); };
-  const auto resultOf = [&](size_t slot, bool same) {
-    const Record& record = records[slot];
-    return CachedRadius{record.radius, same ? &record.around : nullptr,
-                        glm::distance(position, record.position), slot};
-  };
+  const auto isKnown = [&](size_t slot) { return records[slot].isOnSurfaceOf(position, normal); };
   const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center, scratch);
-  CachedRadius best = resultOf(nearest, isSameSurface(records[nearest]));
+  size_t best = nearest;
+  bool known = isKnown(nearest);
   const auto consider = [&](size_t slot) {
-    const bool same = isSameSurface(records[slot]);
-    if (best.known && !same) return;
-    const CachedRadius other = resultOf(slot, same);
-    if ((same && !best.known) || other.away < best.away) best = other;
+    const auto away2 = [&](size_t i) { return lengthSquared(position - records[i].position); };
+    if ((known && !(away2(slot) < away2(best))) || !isKnown(slot)) return;
+    best = slot;
+    known = true;
   };
-  if (!best.known)
+  if (!known)
     for (const uint32_t slot : neighbours[nearest]) consider(slot);
-  if (!best.known) { // all may be on the next layer
-    constexpr int MAX_COUNT = 32;
-    index.nearest(regionInIndex(position, normal), MAX_COUNT, scratch);
-    index.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1)
-        consider(block.first + static_cast<size_t>(std::countr_zero(slots)));
-    });
-  }
-  if (best.known) {
+  if (!known) // all may be on the next layer
+    for (const uint32_t beside : neighbours[nearest])
+      for (const uint32_t slot : neighbours[beside]) consider(slot);
+  if (known) {
     // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
     Vec3f offset;
@@ -67,14 +68,15 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
       hash = hashCombine(hash, std::bit_cast<uint32_t>(position[i]));
       offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
     }
-    offset = (offset - normal * glm::dot(offset, normal)) * records[best.index].spacing;
+    offset = (offset - normal * glm::dot(offset, normal)) * records[best].spacing;
     const auto distance2 = [&](size_t i) { return lengthSquared(position + offset - records[i].position); };
-    const size_t slot = *std::ranges::min_element(neighbours[best.index], {}, distance2);
-    if (distance2(slot) < distance2(best.index) && isSameSurface(records[slot])) best = resultOf(slot, true);
+    const size_t slot = *std::ranges::min_element(neighbours[best], {}, distance2);
+    if (distance2(slot) < distance2(best) && isKnown(slot)) best = slot;
   }
+  const Record& record = records[best];
+  const float away = glm::distance(position, record.position);
   // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
-  best.radius = std::min(limit, std::max(best.radius, best.away));
-  return best;
+  return {std::min(limit, std::max(record.radius, away)), known ? &record.around : nullptr, away, best};
 }
 
 } // namespace recurse
