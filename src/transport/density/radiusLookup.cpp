@@ -11,7 +11,6 @@
 namespace recurse {
 
 void RadiusCache::findNeighbours() {
-  constexpr int CANDIDATES = 4 * NEIGHBOURS; // among which a layer close by is found
   neighbours.resize(records.size());
   parallelFor(records.size(), [&](size_t i) {
     thread_local PhotonScratch scratch;
@@ -20,7 +19,9 @@ void RadiusCache::findNeighbours() {
       return lengthSquared(record.position - records[slot].position);
     };
     std::vector<uint32_t> found;
-    index.nearest(regionInIndex(record.position, record.normal), CANDIDATES + 1, scratch);
+    const bool hasLayers = std::isfinite(std::min(record.around.clearance, record.around.depth));
+    index.nearest(regionInIndex(record.position, record.normal), (hasLayers ? 4 : 1) * NEIGHBOURS + 1,
+                  scratch);
     index.visitNearest(scratch, [&](const PhotonBlock& block) {
       for (uint32_t slots = block.mask; slots != 0; slots &= slots - 1) {
         const size_t slot = block.first + static_cast<size_t>(std::countr_zero(slots));
