@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <new>
 #include <regex>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include <unistd.h>
@@ -123,6 +125,15 @@ std::string plainText(const CLI::ParseError& error) {
          "; accepted: once";
 }
 
+/** Throws Error for "--option=", which would take the next argument as its value. */
+void requireValues(std::span<char* const> arguments) {
+  for (const std::string_view argument : arguments) {
+    if (argument == "--") return;
+    if (argument.starts_with("--") && argument.find('=') == argument.size() - 1)
+      badUsage(std::string(argument.substr(0, argument.size() - 1)) + ": the value is empty");
+  }
+}
+
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
@@ -157,6 +168,7 @@ ExitStatus run(int argc, char** argv) {
       ->type_name("COMMAND");
   app.add_option("--completion", shell, "Print shell completions for bash, zsh or fish")->type_name("SHELL");
   try {
+    requireValues({argv, size_t(argc)});
     app.parse(argc, argv);
     if (!manual.empty()) {
       const auto named = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == manual; });

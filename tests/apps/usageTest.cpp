@@ -42,6 +42,7 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "first", "second"}, "unexpected arguments: first second\n"},
       {{"render"}, "required"},
       {{"render", "scene.pbrt", "--spp"}, "--spp"},
+      {{"render", "scene.pbrt", "--stats=", "-q"}, "--stats: the value is empty"},
       {{"render", "scene.pbrt", "--spp", "0"}, "whole number from 1"},
       {{"render", "scene.pbrt", "--spp", "2.5"}, "whole number"},
       {{"render", "scene.pbrt", "--no-such-option"}, "--no-such-option"},

@@ -83,6 +83,22 @@ TEST_F(ImageFiles, LinearFormatsKeepTheValues) {
     EXPECT_NEAR(back.pixels[i], image.pixels[i], 0.004 * 2 * image.pixels[i / 3 * 3 + 2]);
 }
 
+TEST_F(ImageFiles, ColoursOfRgbeAreRounded) {
+  Image image(64, 64, {"R", "G", "B"});
+  double sum[3] = {}, stored[3] = {};
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> unit;
+  for (float& x : image.pixels) x = unit(random);
+  for (size_t i = 2; i < image.pixels.size(); i += 3) image.pixels[i] *= 0.1f;
+  writeImage(file("a.hdr"), image);
+  const Image back = readImage(file("a.hdr"));
+  for (size_t i = 0; i < image.pixels.size(); ++i) {
+    sum[i % 3] += double(image.pixels[i]);
+    stored[i % 3] += double(back.pixels[i]);
+  }
+  for (const size_t c : {0, 1, 2}) EXPECT_NEAR(stored[c] / sum[c], 1, 1e-3) << c; // .96 for the last, if cut
+}
+
 TEST_F(ImageFiles, DisplayFormatsAreSrgb) {
   Image image = picture();
   image.pixels[0] = -1;

@@ -1,6 +1,8 @@
 /** @file
  * Overlapping dielectrics: the picture is equal to the picture of the same solids with their true surfaces.
  */
+#include <random>
+
 #include "rendering.h"
 
 #include "transport/emission/cameraProbe.h"
@@ -190,4 +192,23 @@ TEST(Nesting, ProbesOfTheCameraPassHiddenSurfaces) {
   ASSERT_GT(a.size(), 100u);
   for (size_t i = 0; i < a.size(); ++i)
     EXPECT_LT(glm::distance(a[i].point.position, b[i].point.position), 1e-3f) << i;
+}
+
+/** Displaced from the floor only, a ray to the edge would hit wall and floor in turn, without end. */
+TEST(Nesting, RaysGoOnBehindEdges) {
+  const auto scene = sceneFrom(R"(
+WorldBegin
+Shape "bilinearmesh" "point3 P" [ -4 -8 0  4 -8 0  -4 4 0  4 4 0 ]
+Shape "bilinearmesh" "point3 P" [ -4 4 0  4 4 0  -4 4 6  4 4 6 ]
+)");
+  ASSERT_TRUE(scene);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (int i = 0; i < 200000; ++i) {
+    const Vec3f from(3 * unit(random), -6 + unit(random), 2 + unit(random)), to(3 * unit(random), 4, 0);
+    Ray ray{from, glm::normalize(to - from), INFINITE, 0};
+    int count = 0;
+    for (Hit hit; count < 8 && scene->intersectPosition(ray, hit); ++count) ray = rayBehind(ray, hit);
+    ASSERT_LE(count, 2) << i;
+  }
 }

@@ -201,6 +201,17 @@ TEST(TimeLimit, EndsLearningWithoutASampleWhereThatIsWanted) {
   }
 }
 
+TEST(TimeLimit, MayEndTheLearningOfEachIntegrator) {
+  const std::atomic<bool> stop{false};
+  for (const char* integrator : {"path", "photonmap", "auto", "bdpt", "vcm"}) {
+    RenderSettings settings;
+    settings.samplesPerPixel = 4;
+    settings.timeLimit = 1e-9;
+    const TimedRender r = renderTimed(integrator, "", settings, stop);
+    EXPECT_EQ(r.statistics.stopReason, StopReason::TIME) << integrator;
+  }
+}
+
 TEST(TimeLimit, IsKeptWithinASample) {
   const std::atomic<bool> stop{false};
   for (const auto& [integrator, parameters] : SLOW) {

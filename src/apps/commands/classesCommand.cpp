@@ -60,7 +60,7 @@ void addClassesCommand(CLI::App& app, Command& chosen) {
       "Examples:\n"
       "  recurse classes\n"
       "  recurse classes 'LS+DE'\n"
-      "  recurse classes direct caustics 'rest=all - direct - caustics'");
+      "  recurse classes direct caustic 'rest=all - direct - caustic'");
   command->callback([options, &chosen] { chosen = [options] { return reportClasses(*options); }; });
 }
 

@@ -52,20 +52,21 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
   const Image picture = readImage(o.input);
   Developed developed = o.sheet ? operatorSheet(picture, settings) : develop(picture, settings);
   developed.picture.metadata["recurse:developed"] = o.develop.text(developed.stops);
-  std::string written;
+  std::string written, ofFilm;
   for (const std::string& name : o.outputs) {
     if (isPage(name))
       writeFileAtomically(name,
                           developPage(picture, settings, std::filesystem::path(o.input).filename().string(),
                                       o.develop.toneMap));
     else if (isAnimationFormat(name))
-      writeTransientAnimation(name, picture, o.develop, frameRate);
+      ofFilm = formatted("; of the film %+.2f stops",
+                         writeTransientAnimation(name, picture, o.develop, frameRate));
     else
       writeImage(name, developed.picture, {.encoded = true});
     written += (written.empty() ? "" : ", ") + name;
   }
   if (!o.quiet)
-    say(formatted("exposure %+.2f stops", developed.stops) + ", tone operator " +
+    say(formatted("exposure %+.2f stops", developed.stops) + ofFilm + ", tone operator " +
         (o.sheet ? "as the captions say" : o.develop.toneMap) + "\nwritten: " + written + "\n");
   return ExitStatus::DONE;
 }

@@ -381,7 +381,7 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
       "ambient occlusion is half of the scene's radius.\n\n"
       "Examples:\n"
       "  recurse methods scene.pbrt -o methods\n"
-      "  recurse methods scene.pbrt -o methods --method whitted --method path --spp 64\n"
+      "  recurse methods scene.pbrt -o whitted --method whitted --method path --spp 64\n"
       "  recurse methods scene.pbrt -o vpl --method few=\"--integrator vpl --set lightpaths=8\" --method "
       "vpl\n\n"
       "Ctrl-C keeps all finished pictures; run the same command to continue.");

@@ -114,7 +114,7 @@ class DarkScene {
   bool firstSurface(Ray ray, Hit& hit) {
     while (intersect(scene, ray, hit, counts)) {
       if (hit.material) return true;
-      ray.origin = originBehind(ray, hit);
+      ray = rayBehind(ray, hit);
     }
     return false;
   }
@@ -138,7 +138,7 @@ class DarkScene {
       Ray ray = cameraRay;
       if (!eye) eye = ray.origin;
       uint16_t medium = scene.cameraMedium();
-      for (Hit hit;; ray.origin = originBehind(ray, hit)) {
+      for (Hit hit;; ray = rayBehind(ray, hit)) {
         const bool isHit = intersect(scene, ray, hit, counts);
         if (isHit && hit.media.isBoundary())
           medium =
@@ -287,8 +287,7 @@ class DarkScene {
     ray.tMax = 1 - 1e-3f; // the lamp's own surface does not occlude it
     for (Hit hit; ray.tMax > 0 && intersect(scene, ray, hit, counts);) {
       if (!letsLightPass(hit.material)) return false;
-      ray.origin = originBehind(ray, hit);
-      ray.tMax -= hit.t;
+      ray = rayBehind(ray, hit);
     }
     return true;
   }

@@ -107,6 +107,18 @@ std::vector<unsigned char> encodePfm(const Image& image, const std::vector<float
   return out;
 }
 
+/** Adds half a step of RGBE to each channel, since OpenImageIO cuts mantissas instead of rounding them. A
+ * step is 1/256 of the power of two above the brightest channel. */
+void addHalfSteps(std::vector<float>& rgb) {
+  for (auto pixel = rgb.begin(); pixel != rgb.end(); pixel += 3) {
+    const float brightest = *std::max_element(pixel, pixel + 3);
+    if (!(brightest > 0 && std::isfinite(brightest))) continue;
+    int exponent = 0;
+    std::frexp(brightest, &exponent);
+    for (int c = 0; c < 3; ++c) pixel[c] += std::ldexp(0.5f, exponent - 8);
+  }
+}
+
 std::vector<unsigned char> encodeImage(const std::string& fileName, const Image& image,
                                        const ImageWriteOptions& options) {
   const Content content = contentByExtension(fileName);
@@ -126,11 +138,12 @@ std::vector<unsigned char> encodeImage(const std::string& fileName, const Image&
     addMetadata(spec);
     return encode(fileName, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
   }
-  const std::vector<float> rgb = rgbPixels(fileName, image);
+  std::vector<float> rgb = rgbPixels(fileName, image);
   if (extensionOf(fileName) == ".pfm") return encodePfm(image, rgb);
   if (content == Content::LINEAR_RGB) {
     OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::FLOAT);
     addMetadata(spec);
+    addHalfSteps(rgb);
     return encode(fileName, spec, OIIO::TypeDesc::FLOAT, rgb.data());
   }
   std::vector<uint8_t> bytes(rgb.size());

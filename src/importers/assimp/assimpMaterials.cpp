@@ -3,7 +3,9 @@
  */
 #include "importers/assimp/assimpMaterials.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 
 #include <assimp/GltfMaterial.h>
@@ -180,7 +182,23 @@ std::string AssimpMaterials::roughness(const aiMaterial& m, double factor) {
   return "\"texture roughness\" " + sceneText(squared) + REMAP_OFF;
 }
 
+/** Warns of numbers that are no colours or not finite: other values replace them. */
+void AssimpMaterials::warnOfNumbers(const aiMaterial& m) {
+  for (unsigned i = 0; i < m.mNumProperties; ++i) {
+    const aiMaterialProperty& property = *m.mProperties[i];
+    if (property.mType != aiPTI_Float) continue;
+    const std::string key = property.mKey.C_Str();
+    std::vector<float> numbers(property.mDataLength / sizeof(float));
+    std::memcpy(numbers.data(), property.mData, numbers.size() * sizeof(float));
+    if (std::ranges::any_of(
+            numbers, [&](float x) { return !std::isfinite(x) || (x < 0 && key.starts_with("$clr.")); }))
+      p.warn("filename", path + ": material \"" + m.GetName().C_Str() + "\": " + key +
+                             " has a number that is negative or not finite; another replaces it");
+  }
+}
+
 void AssimpMaterials::make(const aiMaterial& m, Made& made) {
+  warnOfNumbers(m);
   aiColor4D base4(1, 1, 1, 1);
   const bool isPhysical = m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ||
                           get(m, AI_MATKEY_BASE_COLOR, base4) || get(m, AI_MATKEY_ROUGHNESS_FACTOR, base4.r);

@@ -41,6 +41,7 @@ class AssimpMaterials {
   size_t pictureCount() const { return pictures.size(); }
 
  private:
+  void warnOfNumbers(const aiMaterial& m);
   void make(const aiMaterial& m, Made& made);
   std::string picture(const aiMaterial& m, aiTextureType type, bool& wanted);
   std::string loadPicture(const std::string& name);

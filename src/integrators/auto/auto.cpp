@@ -164,21 +164,9 @@ class Auto final : public Integrator {
     if (!(ratio > 0)) return false; // neither has found light
     constexpr double CLEARLY = 2;   // trials miss rare bright samples, of which paths have more
     const char* const rival = withCaustics ? "path with caustic photons" : "path";
-    if (ratio > CLEARLY)
-      notes.push_back(
-          formatted("auto chose %s: at equal cost its squared error was %.3g times lower than that "
-                    "of photonmap",
-                    rival, ratio));
-    else if (ratio > 1)
-      notes.push_back(
-          formatted("auto chose photonmap: at equal cost the squared error of %s was only %.3g times "
-                    "lower",
-                    rival, ratio));
-    else
-      notes.push_back(
-          formatted("auto chose photonmap: at equal cost its squared error was %.3g times lower than "
-                    "that of %s",
-                    1 / ratio, rival));
+    notes.push_back(
+        formatted("auto chose %s: at equal cost, the squared error of photonmap was %.3g times that of %s",
+                  ratio > CLEARLY ? rival : "photonmap", ratio, rival));
     return ratio > CLEARLY;
   }
 

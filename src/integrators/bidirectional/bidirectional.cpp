@@ -8,6 +8,7 @@
 #include <chrono>
 #include <numeric>
 
+#include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/core/threads/resources.h"
@@ -32,7 +33,7 @@ constexpr double MERGE_PIXELS = 1.5;
 
 /** Probes the surfaces around vertices of camera paths. Merges close to them need no probe rays of their own,
  * which would be most of the rays. The vertices take the place of photons in the cache. */
-RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) {
+RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) try {
   if (scene.moves()) return {}; // merges at other times could not use them
   constexpr int ACROSS = 64, MAX_DEPTH = 4, NEAREST = 12;
   constexpr uint64_t STREAM = 0x4d45524745ull;
@@ -51,6 +52,8 @@ RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) {
   RadiusCache surfaces;
   surfaces.build(scene, map, 0, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
   return surfaces;
+} catch (const Interrupted&) {
+  return {}; // merges work without
 }
 
 } // namespace
@@ -67,8 +70,7 @@ TransportCounts Bidirectional::prepare(const Scene& scene, const PathClasses&) {
   if (scene.lights().size() == 0) lightPaths = 0;
   splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
   TransportCounts counts;
-  surfaces =
-      settings.merges && lightPaths > 0 && !scene.moves() ? probeSurfaces(scene, counts) : RadiusCache();
+  surfaces = settings.merges && lightPaths > 0 ? probeSurfaces(scene, counts) : RadiusCache();
   if (settings.shadowRays) counts.add(learnLights(scene, lights));
   return counts;
 }

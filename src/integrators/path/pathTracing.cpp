@@ -180,7 +180,7 @@ class PathTracing final : public Integrator {
                                   w.nesting, arena);
         if (!bsdf) {
           active[passed] = &w;
-          makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
+          rays[passed++] = rayBehind(rays[i], hit);
           continue;
         }
         if (w.depth == settings.maxDepth) {

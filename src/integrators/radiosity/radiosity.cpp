@@ -218,7 +218,7 @@ class Radiosity final : public Integrator {
       arena.reset();
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
       if (!bsdf) {
-        ray = spawn(hit.point, ray.direction);
+        ray = rayBehind(ray, hit);
         continue;
       }
       const ScatteringPoint scattering(*bsdf, hit.point);

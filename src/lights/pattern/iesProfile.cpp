@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "recurse/core/io/error.h"
+#include "recurse/core/io/text.h"
 
 namespace recurse {
 
@@ -40,7 +41,7 @@ class Numbers {
   size_t count(const char* what) {
     const double n = next(what);
     if (!(n >= 1 && n <= MAX_ANGLES) || n != std::floor(n))
-      throw Error("line " + std::to_string(line) + ": " + what + " cannot be " + std::to_string(n));
+      throw Error("line " + std::to_string(line) + ": " + what + formatted(" cannot be %.10g", n));
     return static_cast<size_t>(n);
   }
   std::vector<double> list(size_t count, const char* what) {

@@ -36,8 +36,7 @@ bool staysInMedium(const Scene& scene, const Vec3f& from, const Vec3f& to) {
   Hit hit;
   for (int i = 0; i < MAX_SURFACES && scene.intersectPosition(ray, hit); ++i) {
     if (hit.media.isBoundary() || isOpaque(hit.material)) return false;
-    ray.origin = hit.point.rayOrigin(ray.direction);
-    ray.tMax -= hit.t;
+    ray = rayBehind(ray, hit);
     if (!(ray.tMax > 0)) break;
   }
   return true;

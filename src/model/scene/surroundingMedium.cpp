@@ -38,11 +38,14 @@ void addMedium(const Scene& scene, Ray ray, Sampler& sampler, Votes& byBoundarie
       return;
     }
     if (hit.media.inside != 0 || hit.media.outside != 0) ++bySurfaces[here];
-    if (isOpaque(hit.material))
+    if (isOpaque(hit.material)) {
       ray.direction =
           Frame(hit.point.normalTowards(-ray.direction)).toWorld(cosineHemisphere(sampler.next2D()));
-    ray.origin = hit.point.rayOrigin(ray.direction);
-    ray.tMax = INFINITE;
+      ray.origin = hit.point.rayOrigin(ray.direction);
+      ray.tMax = INFINITE;
+    } else {
+      ray = rayBehind(ray, hit);
+    }
   }
 }
 

@@ -19,7 +19,7 @@ std::optional<uint32_t> patchOnRay(const Scene& scene, const Integrator& integra
   while (scene.intersect(ray, hit)) {
     arena.reset();
     if (hit.material && hit.material->bsdfAt(hit.point, arena)) return integrator.patchAt(hit);
-    ray = {hit.point.rayOrigin(ray.direction), ray.direction, INFINITE, ray.time};
+    ray = rayBehind(ray, hit);
   }
   return {};
 }

@@ -81,8 +81,7 @@ std::optional<Vec3f> originAbove(const Scene& scene, const Vec3f& position, cons
       origin = start - normal * ((passed + along) / 2);
     }
     passed = along;
-    ray.origin = hit.point.rayOrigin(ray.direction);
-    ray.tMax = 2 * reach - along;
+    ray = rayBehind(ray, hit);
     if (!(ray.tMax > 0)) break;
   }
   return origin;

@@ -32,9 +32,7 @@ bool intersectFirst(const Scene& scene, Ray ray, Hit& hit, TransportCounts& coun
   for (int i = 0; i < MAX_PASSED; ++i) {
     if (!probePosition(scene, ray, hit, counts)) return false;
     if (stops(hit)) return true;
-    const float tMax = ray.tMax - hit.t;
-    ray = spawn(hit.point, ray.direction);
-    ray.tMax = tMax;
+    ray = rayBehind(ray, hit);
   }
   return false;
 }

@@ -44,10 +44,9 @@ void RadiusCache::findNeighbours() {
 }
 
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
-  thread_local PhotonScratch scratch;
   if (index.empty()) return {limit, nullptr, INFINITE, 0};
   const auto isKnown = [&](size_t slot) { return records[slot].isOnSurfaceOf(position, normal); };
-  const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center, scratch);
+  const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center);
   size_t best = nearest;
   bool known = isKnown(nearest);
   const auto consider = [&](size_t slot) {

@@ -61,9 +61,7 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
       nesting.scatters(hit, -ray.direction, direction);
     else
       nesting.enterMedium(hit, direction);
-    Ray next = spawn(hit.point, direction);
-    if (!bsdf && scene.hasMedia()) next.origin = originBehind(ray, hit);
-    static_cast<Ray&>(ray) = next;
+    static_cast<Ray&>(ray) = bsdf ? spawn(hit.point, direction) : rayBehind(ray, hit);
   }
   return {};
 }

@@ -64,7 +64,7 @@ Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& b
   constexpr int LINES = 128, LINES_OF_SHAPE = 4; // rays along each side
   Bounds3f found;
   const auto forBoundaries = [&](Ray ray, const auto& visit) {
-    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = rayBehind(ray, hit))
       if (hit.media.isBoundary() && (hit.media.inside == medium || hit.media.outside == medium)) visit(hit);
   };
   const Vec3f spacing = box.diagonal() / static_cast<float>(LINES);
@@ -96,7 +96,7 @@ uint16_t mediumOutside(const Scene& scene, TransportCounts& counts) {
   bool areBounded = false; // boundaries anywhere on the lines
   forLinesThrough(boxAround(scene.bounds()), LINES, 0, [&](Ray ray) {
     bool isVisible = true;
-    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit)) {
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = rayBehind(ray, hit)) {
       areBounded = areBounded || hit.media.isBoundary();
       if (hit.media.isBoundary() && isVisible) ++seen[mediumBefore(hit, ray.direction)];
       if (hit.media.isBoundary()) return;

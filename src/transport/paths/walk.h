@@ -72,20 +72,6 @@ inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
 }
 
 /**
- * Origin of a ray that continues straight behind a surface. At an edge it is behind all surfaces there: if it
- * were displaced from one surface only, the ray would hit the rest of them again and again.
- */
-inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
-  constexpr float AT_ONCE = 2; // minimum distance to the next surface, over its position error
-  const Vec3f behind = hit.point.rayOrigin(ray.direction);
-  if (hit.t * glm::length(ray.direction) > AT_ONCE * glm::length(hit.point.error)) return behind;
-  const Vec3f normal = hit.point.normalTowards(ray.direction);
-  SurfacePoint point = hit.point;
-  point.position = ray.origin + normal * std::max(0.0f, glm::dot(behind - ray.origin, normal));
-  return point.rayOrigin(ray.direction);
-}
-
-/**
  * Finds the nearest surface that scatters or emits. Surfaces that do neither are not part of the scene. For a
  * surface that emits without scattering, the caller continues the ray behind it.
  */
@@ -156,7 +142,7 @@ inline Ray shadowRay(const SurfacePoint& from, const LiSample& light) {
 inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
   if (scene.nestedIndices().empty()) return {};
   return Nesting::within([&](const auto& crosses) {
-    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = rayBehind(ray, hit))
       crosses(hit, ray.direction);
   });
 }
@@ -168,7 +154,7 @@ inline float indexAtStart(const Scene& scene, const PathClasses& classes, Ray ra
   const float index = nesting.index(scene);
   if (!classes.isTransient() || !(scene.contents().lobes & (REFRACTION | TRANSMISSION))) return index;
   DielectricCrossings crossings;
-  for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+  for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = rayBehind(ray, hit))
     crossings.add(hit, ray.direction);
   return index * crossings.indexAtOrigin();
 }

@@ -86,10 +86,7 @@ template <class State> class Walker {
         return true;
       }
       path.nesting.enterMedium(vertex.hit, path.ray.direction);
-      if (scene.hasMedia())
-        path.ray.origin = originBehind(path.ray, vertex.hit);
-      else
-        path.ray = spawn(vertex.hit.point, path.ray.direction);
+      path.ray = rayBehind(path.ray, vertex.hit);
     }
   }
   /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns

@@ -54,8 +54,6 @@ class PhotonScratch {
   Vec3f lastCenter{0};
   float lastRadius = -1; ///< negative: no usable previous query
   int lastCount = 0;
-  size_t lastSlot = 0; ///< result of the last nearestSlot()
-  float lastNearest = 0;
 };
 
 /** Number and extent of the photons that a k-nearest query found. */
@@ -107,7 +105,7 @@ class PhotonMap {
   NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
   /** Slot of the photon nearest to the centre, on either side of its surface; the lowest slot among ties. The
    * map must not be empty. Much faster than nearest() for one photon. */
-  size_t nearestSlot(const Vec3f& center, PhotonScratch& scratch) const;
+  size_t nearestSlot(const Vec3f& center) const;
   /** Calls visitor(const PhotonBlock&) for the result of the last nearest(), in increasing order of slots. */
   template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;
   /** Accumulates over the result of the last nearest(); see accumulateWithin(). */

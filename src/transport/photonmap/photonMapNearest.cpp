@@ -208,12 +208,13 @@ size_t PhotonMap::leafBeside(const Query<false, false, false>& query) const {
   return node;
 }
 
-size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const {
+size_t PhotonMap::nearestSlot(const Vec3f& center) const {
   GatherRegion region;
   region.center = center;
   region.bothSides = true;
   size_t slot = 0;
   if (indexKind == PhotonIndexKind::FLANN) {
+    thread_local PhotonScratch scratch;
     nearest(region, 1, scratch);
     visitNearest(scratch, [&](const PhotonBlock& block) {
       slot = block.first + static_cast<size_t>(std::countr_zero(block.mask));
@@ -221,17 +222,11 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
     return slot;
   }
   Query<false, false, false> query(region);
-  float nearest = INFINITE;
-  // Any photon bounds the distance: the last query's result, or the photons of a leaf close to the centre.
-  constexpr float MAX_REUSED_DISTANCE = 2; // times the distance found by the last query
-  if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
-  if (!(nearest < square(MAX_REUSED_DISTANCE * scratch.lastNearest))) {
-    const Leaf& leaf = leaves[leafBeside(query)];
-    Float8 all(nearest);
-    for (size_t i = 0; i < LEAF_SIZE; i += 8)
-      all = min(all, query.distance2(leaf.x + i, leaf.y + i, leaf.z + i));
-    nearest = least(all);
-  }
+  const Leaf& leaf = leaves[leafBeside(query)]; // any of its photons bounds the distance
+  Float8 all(INFINITE);
+  for (size_t i = 0; i < LEAF_SIZE; i += 8)
+    all = min(all, query.distance2(leaf.x + i, leaf.y + i, leaf.z + i));
+  float nearest = least(all);
   // Photons at the same distance may have a lower slot. Denormals would compare as zero.
   query.setRadius2(std::max(std::nextafter(nearest, INFINITE), std::numeric_limits<float>::min()));
   nearest = INFINITE;
@@ -244,8 +239,6 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
       slot = size_t(hits.block[i]) * 8 + static_cast<size_t>(std::countr_zero(bits(equal(d2, Float8(here)))));
     }
   });
-  scratch.lastSlot = slot;
-  scratch.lastNearest = std::sqrt(nearest);
   return slot;
 }
 

@@ -4,6 +4,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <memory>
@@ -39,6 +40,19 @@ struct Hit {
   MediumInterface media;                ///< on both sides, where the surface is a boundary of media
   uint32_t object = 0;                  ///< see Scene::objectName()
 };
+
+/** Rest of a ray straight behind a surface that it has hit. At an edge it starts behind all surfaces there:
+ * if it were displaced from one surface only, it would hit the rest of them again and again. */
+inline Ray rayBehind(const Ray& ray, const Hit& hit) {
+  constexpr float AT_ONCE = 2; // minimum distance to the next surface, over its position error
+  SurfacePoint point = hit.point;
+  if (!(hit.t * glm::length(ray.direction) > AT_ONCE * glm::length(hit.point.error))) {
+    const Vec3f normal = hit.point.normalTowards(ray.direction);
+    const float height = glm::dot(hit.point.rayOrigin(ray.direction) - ray.origin, normal);
+    point.position = ray.origin + normal * std::max(0.0f, height);
+  }
+  return {point.rayOrigin(ray.direction), ray.direction, ray.tMax - hit.t, ray.time};
+}
 
 /** Shape at rest, outside of instances. Emitting shapes of instances at rest are included, once for each
  * instance. */
