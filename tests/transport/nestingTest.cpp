@@ -198,17 +198,17 @@ TEST(Nesting, ProbesOfTheCameraPassHiddenSurfaces) {
 TEST(Nesting, RaysGoOnBehindEdges) {
   const auto scene = sceneFrom(R"(
 WorldBegin
-Shape "bilinearmesh" "point3 P" [ -4 -8 0  4 -8 0  -4 4 0  4 4 0 ]
-Shape "bilinearmesh" "point3 P" [ -4 4 0  4 4 0  -4 4 6  4 4 6 ]
+Shape "trianglemesh" "point3 P" [ -4 -8 0  4 -8 0  4 4 0  -4 4 0 ] "integer indices" [ 0 1 2 0 2 3 ]
+Shape "trianglemesh" "point3 P" [ -4 4 0  4 4 0  4 4 6  -4 4 6 ] "integer indices" [ 0 1 2 0 2 3 ]
 )");
   ASSERT_TRUE(scene);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> unit(-1, 1);
   for (int i = 0; i < 200000; ++i) {
-    const Vec3f from(3 * unit(random), -6 + unit(random), 2 + unit(random)), to(3 * unit(random), 4, 0);
+    const Vec3f from(0, -6, 2), to(4 * unit(random), 4, 2e-7f * unit(random));
     Ray ray{from, glm::normalize(to - from), INFINITE, 0};
     int count = 0;
     for (Hit hit; count < 8 && scene->intersectPosition(ray, hit); ++count) ray = rayBehind(ray, hit);
-    ASSERT_LE(count, 2) << i;
+    ASSERT_LE(count, 3) << i; // one of them may be hit twice, by rounding
   }
 }
