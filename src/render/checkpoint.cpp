@@ -140,7 +140,7 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
   };
   std::string magic(MAGIC.size(), '\0');
   if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != MAGIC)
-    fail("is not a checkpoint of this version of Recurse");
+    fail("is not a checkpoint of this version of Recurse, which --checkpoint writes");
   uint64_t size = 0;
   take(std::as_writable_bytes(std::span(&size, 1)));
   if (size > MAX_HEADER) fail("the checkpoint is damaged");

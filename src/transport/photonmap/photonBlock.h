@@ -36,7 +36,7 @@ struct PhotonPayload {
 /** Eight neighbouring slots; the mask marks the photons that the query found. */
 struct PhotonBlock {
   uint32_t first;               ///< slot of lane 0; a multiple of 8
-  uint32_t mask;                ///< bit i: lane i was found; not 0 unless the query documents empty blocks
+  uint32_t mask;                ///< bit i: lane i was found; not 0
   Float8 distance2;             ///< D² of GatherRegion; valid only in lanes of the mask
   const PhotonPayload* payload; ///< all eight lanes may be read
   const uint8_t* pathStates;    ///< eight values, see Photon

@@ -92,8 +92,7 @@ class PhotonMap {
   /**
    * Accumulates over all photons in the region: calls add(state, const PhotonBlock&), which changes the
    * state, and returns the last state. Faster than a visitor that captures its sums, since the state is a
-   * local copy that the compiler can keep in registers. Blocks with an empty mask may be passed too, to save
-   * a branch: `add` should handle them without one.
+   * local copy that the compiler can keep in registers.
    */
   template <class State, class Add>
   State accumulateWithin(const GatherRegion& region, State state, Add&& add) const;
@@ -160,9 +159,7 @@ class PhotonMap {
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
   struct Hits;
   template <class Q> void dropRejected(const Q& query, Hits& hits) const;
-  template <bool EMPTY_TOO, class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
-  template <bool EMPTY_TOO, class State, class Add>
-  State accumulate(const GatherRegion& region, State state, Add&& add) const;
+  template <class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
   template <class Visitor> void visit(const FoundPhotons& found, Visitor&& visitor) const;
   /** Index of the first node of a level, with all levels above it full: 1 + 8 + 64 + … */
   static constexpr size_t levelBegin(int level) { return ((size_t(1) << 3 * level) - 1) / 7; }

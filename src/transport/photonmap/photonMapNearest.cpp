@@ -173,7 +173,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
       if (!(start > 0 && start < limit)) start = limit;
       query.setRadius2(start);
       found.clear();
-      walk<false>(query, [&](const Hits& hits) {
+      walk(query, [&](const Hits& hits) {
         for (size_t i = 0; i < hits.count; ++i) {
           const Float8 d2 = hits.distance2[i];
           const uint32_t mask = hits.mask[i] & bits(less(d2, Float8(query.radius2)));
@@ -230,7 +230,7 @@ size_t PhotonMap::nearestSlot(const Vec3f& center) const {
   // Photons at the same distance may have a lower slot. Denormals would compare as zero.
   query.setRadius2(std::max(std::nextafter(nearest, INFINITE), std::numeric_limits<float>::min()));
   nearest = INFINITE;
-  walk<true>(query, [&](const Hits& hits) {
+  walk(query, [&](const Hits& hits) {
     for (size_t i = 0; i < hits.count; ++i) {
       const Float8 d2 = hits.distance2[i];
       const float here = least(d2);

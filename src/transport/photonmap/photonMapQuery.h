@@ -138,17 +138,15 @@ template <class Q> inline void PhotonMap::dropRejected(const Q& query, Hits& hit
  * query.radius2; hits found before it does are within the old radius.
  *
  * Nodes, leaves and blocks are compacted into work lists by branchless code, which always writes and advances
- * only past accepted entries: a mispredicted branch costs as much as the tests of two leaves. Filtering out
- * empty blocks has a cost, too: with EMPTY_TOO the flush may get blocks with an empty mask.
+ * only past accepted entries: a mispredicted branch costs as much as the tests of two leaves.
  */
-template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
+template <class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
   constexpr size_t MAX_LEAVES = 32;
   uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // up to eight may be written beyond the end
   uint32_t leafList[MAX_LEAVES + 2 * 8];
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
-  constexpr bool TAKE_ALL = EMPTY_TOO && !Q::SELECTIVE;
   const auto flushHits = [&] {
     if constexpr (Q::SELECTIVE) dropRejected(query, hits);
     flush(hits);
@@ -165,7 +163,7 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
         hits.block[hits.count] = leafList[l] * LEAF_BLOCKS + i;
         hits.distance2[hits.count] = d2;
         hits.mask[hits.count] = mask;
-        hits.count += TAKE_ALL || mask != 0;
+        hits.count += mask != 0;
       }
     }
     leavesFound = 0;
@@ -204,8 +202,8 @@ template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visito
   }
 }
 
-template <bool EMPTY_TOO, class State, class Add>
-State PhotonMap::accumulate(const GatherRegion& region, State state, Add&& add) const {
+template <class State, class Add>
+State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&& add) const {
   if (indexKind == PhotonIndexKind::FLANN) {
     FoundPhotons found;
     findFlann(region, 0, found);
@@ -219,18 +217,13 @@ State PhotonMap::accumulate(const GatherRegion& region, State state, Add&& add) 
       add(local, makeBlock(hits.block[i], hits.mask[i], hits.distance2[i]));
     state = local;
   };
-  withQuery(region, [&](const auto& query) { walk<EMPTY_TOO>(query, flush); });
+  withQuery(region, [&](const auto& query) { walk(query, flush); });
   return state;
-}
-
-template <class State, class Add>
-State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&& add) const {
-  return accumulate<true>(region, state, add);
 }
 
 template <class Visitor> void PhotonMap::visitWithin(const GatherRegion& region, Visitor&& visitor) const {
   struct Nothing {};
-  accumulate<false>(region, Nothing(), [&](Nothing&, const PhotonBlock& block) { visitor(block); });
+  accumulateWithin(region, Nothing(), [&](Nothing&, const PhotonBlock& block) { visitor(block); });
 }
 
 template <class Visitor> void PhotonMap::visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const {
