@@ -308,6 +308,26 @@ TEST(BsdfEnergy, NoMoreThanArrives) {
   });
 }
 
+/** Near the normal a smooth metal loses light in the tail of its lobe only. */
+TEST(BsdfEnergy, SmoothMetalsLoseNothing) {
+  const NamedMaterials named;
+  for (const char* roughness : {".02", ".05", ".1", ".2"}) {
+    const auto metal = makeMaterial("conductor",
+                                    std::string("\"rgb reflectance\" [1 1 1] \"bool multiscatter\" true "
+                                                "\"bool remaproughness\" false \"float roughness\" ") +
+                                        roughness,
+                                    named.context());
+    BsdfArena arena;
+    const Bsdf* bsdf = metal->bsdfAt(flatPoint(), arena);
+    ASSERT_TRUE(bsdf);
+    for (const float cosine : {1.0f, 0.9f, 0.6f, 0.3f}) {
+      const Vec3f wi(std::sqrt(1 - square(cosine)), 0, cosine);
+      const Albedo a = scatteredFlux(*bsdf, wi, 200000, 11);
+      EXPECT_NEAR(a.mean[0], 1, 2e-3 + 3 * a.error[0]) << roughness << " " << cosine;
+    }
+  }
+}
+
 TEST(BsdfEnergy, AlbedoSteersTheChoice) {
   forEachBsdf([](const Bsdf& bsdf) {
     if (!hasNonDelta(bsdf)) return;

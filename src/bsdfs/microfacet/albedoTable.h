@@ -30,8 +30,11 @@ class AlbedoTable {
         double sum = 0;
         for (int i = 0; i < strata; ++i)
           for (int j = 0; j < strata; ++j) {
-            const Vec2f u = Vec2f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
-            sum += static_cast<double>(albedo(wi, alpha, u / static_cast<float>(strata)));
+            const Vec2f s = Vec2f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f) /
+                            static_cast<float>(strata);
+            // Strata are narrower at the ends of each axis, the tails of a lobe.
+            const Vec2f u = s * s * (3.0f - 2.0f * s), widths = 6.0f * s * (1.0f - s);
+            sum += static_cast<double>(widths.x * widths.y * albedo(wi, alpha, u));
           }
         values[static_cast<size_t>(row * COLUMNS + column)] =
             std::min(static_cast<float>(sum / (strata * strata)), 1.0f);
