@@ -52,7 +52,7 @@ class Disk final : public Shape {
   /** Hit parameters are coordinates on the unit disc. */
   SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
     double x = double(parameters.uv.x), y = double(parameters.uv.y);
-    double r = std::hypot(x, y);
+    double r = std::sqrt(square(x) + square(y));
     if (r > 1) { // outside by rounding
       x /= r;
       y /= r;

@@ -96,7 +96,7 @@ struct EllipsoidMap {
   SurfacePoint pointAt(const Vec3d& center, double scale, const Vec3d& unit,
                        const SphereAngles& angles) const {
     SurfacePoint s = placeAt(center, scale, unit);
-    const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
+    const double rho = std::sqrt(square(unit.x) + square(unit.y)), theta = std::atan2(rho, unit.z);
     const double rise = angles.thetaHigh - angles.thetaLow;
     s.uv = {static_cast<float>(std::min(azimuth(unit) / angles.phiMax, 1.0)),
             static_cast<float>(std::clamp((theta - angles.thetaLow) / rise, 0.0, 1.0))};
