@@ -161,3 +161,29 @@ TEST(TouchingSurfaces, FloorsAreClosedUnderBlocksThatStandOnThem) {
       EXPECT_NEAR(meanOf(floor, glass, 0, integrator), sunk, tolerance * sunk) << floor << integrator;
     }
 }
+
+// The planes of meshes through 0 have no position error, but the distances of hits are rounded.
+TEST(TouchingSurfaces, FloorsHideMeshesThatStandOnThem) {
+  for (const char* height : {"0", ".7"}) {
+    const auto scene = sceneFrom(std::string("WorldBegin\nTranslate 0 0 ") + height + R"(
+Shape "trianglemesh" "point3 P" [ -4 -8 0  4 -8 0  4 4 0  -4 4 0 ] "integer indices" [ 0 1 2 0 2 3 ]
+Material "dielectric"
+Shape "trianglemesh" "point3 P" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0  -1 -1 2  1 -1 2  1 1 2  -1 1 2 ]
+  "integer indices" [ 0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7 ]
+)");
+    ASSERT_TRUE(scene);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> unit(-1, 1);
+    int through = 0;
+    for (int i = 0; i < 10000; ++i) {
+      const Vec3f to(.9f * unit(random), .9f * unit(random), std::stof(height)),
+          from = to + Vec3f(.9f * unit(random), .9f * unit(random), i % 2 ? 1.5f : -1.5f);
+      Hit hit;
+      Ray ray{from, glm::normalize(to - from), INFINITE, 0};
+      while (scene->intersectPosition(ray, hit) && std::abs(hit.point.position.z - to.z) > .1f)
+        ray = rayBehind(ray, hit);
+      through += !isOpaque(hit.material);
+    }
+    EXPECT_EQ(through, 0) << height;
+  }
+}

@@ -123,7 +123,8 @@ bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit&
   const float cosine =
       std::max(absDot(ray.direction, hit.point.geometricNormal), MIN_COSINE * glm::length(ray.direction));
   const auto errorOf = [&](const Hit& h) { return 2 * glm::dot(normal, h.point.error) / cosine; };
-  const float error = errorOf(hit);
+  // Positions on a plane through 0 are exact, but distances are rounded.
+  const float error = errorOf(hit) + roundingBound(8) * hit.t;
   Ray near = ray;
   near.tMax = std::min(ray.tMax, hit.t + WIDER * error);
   const float tMin = std::max(0.0f, hit.t - WIDER * error);
@@ -167,7 +168,8 @@ void EmbreeScene::findTouching() {
       if (instance) transformToScene(*instance, 0, hit.point);
       if (!isFinite(hit.point.position)) continue;
       const Vec3f& normal = hit.point.geometricNormal;
-      hit.t = HEIGHT * glm::dot(magnitude(normal), hit.point.error);
+      hit.t = HEIGHT * std::max(glm::dot(magnitude(normal), hit.point.error),
+                                roundingBound(1) * glm::length(hit.point.position));
       const Ray down{hit.point.position + normal * hit.t, -normal, INFINITE, 0};
       if (hitsOpaque(down, hit, Wanted::PLACE, opaque)) group.setTouchesOpaque(id);
     }

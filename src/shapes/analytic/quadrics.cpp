@@ -250,7 +250,7 @@ class RevolvedQuadric final : public MappedShape {
     while (true) {
       const double z = 0.5 * (low + high);
       if (!(z > low && z < high) || high - low < 1e-9 * (profile.zHigh - profile.zLow)) return z;
-      const double more = integrate(density, low, z, 1e-12);
+      const double more = integrate(density, low, z, 1e-12 * perRadian, gauss7(density, low, z), 30);
       if (below + more <= wanted) {
         below += more;
         low = z;
@@ -346,7 +346,7 @@ void registerQuadrics(PlugIns& plugIns) {
                        realParameter("height", "1", "height of the tip").positive(), phiMaxParameter(),
                        capsParameter()},
         .examples = {"", "\"float radius\" 0.5 \"float height\" 2 \"bool caps\" true",
-                     "\"float phimax\" 140"}},
+                     "\"float radius\" 0.6 \"float phimax\" 140"}},
        makeCone});
   plugIns.shapes.add({{.name = "paraboloid",
                        .summary = "A paraboloid around the z axis that opens upwards from the origin.",
