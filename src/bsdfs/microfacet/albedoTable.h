@@ -27,17 +27,19 @@ class AlbedoTable {
       for (int column = 0; column < COLUMNS; ++column) {
         const float cosine = std::max(square(static_cast<float>(column) / (COLUMNS - 1)), 1e-4f);
         const Vec3f wi(std::sqrt(1 - square(cosine)), 0, cosine);
-        double sum = 0;
+        double sum = 0, weights = 0;
         for (int i = 0; i < strata; ++i)
           for (int j = 0; j < strata; ++j) {
             const Vec2f s = Vec2f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f) /
                             static_cast<float>(strata);
             // Strata are narrower at the ends of each axis, the tails of a lobe.
             const Vec2f u = s * s * (3.0f - 2.0f * s), widths = 6.0f * s * (1.0f - s);
-            sum += static_cast<double>(widths.x * widths.y * albedo(wi, alpha, u));
+            const float weight = widths.x * widths.y;
+            sum += static_cast<double>(weight * albedo(wi, alpha, u));
+            weights += static_cast<double>(weight);
           }
         values[static_cast<size_t>(row * COLUMNS + column)] =
-            std::min(static_cast<float>(sum / (strata * strata)), 1.0f);
+            std::min(static_cast<float>(sum / weights), 1.0f);
       }
       // 2 ∫ E(μ) μ dμ = 4 ∫ E t³ dt with μ = t², E linear in t between the columns.
       double mean = 0;
