@@ -162,7 +162,7 @@ TEST(TouchingSurfaces, FloorsAreClosedUnderBlocksThatStandOnThem) {
     }
 }
 
-// The planes of meshes through 0 have no position error, but the distances of hits are rounded.
+// Positions on triangles may be exact, but the distances of hits are rounded.
 TEST(TouchingSurfaces, FloorsHideMeshesThatStandOnThem) {
   for (const char* height : {"0", ".7"}) {
     const auto scene = sceneFrom(std::string("WorldBegin\nTranslate 0 0 ") + height + R"(

@@ -53,7 +53,7 @@ RadiusCache probeSurfaces(const Scene& scene, TransportCounts& counts) try {
   surfaces.build(scene, map, 0, {}, search, 0, LightDetail::SMOOTH, {}, counts, false);
   return surfaces;
 } catch (const Interrupted&) {
-  return {}; // merges work without
+  return {}; // merges then probe the surfaces around them
 }
 
 } // namespace

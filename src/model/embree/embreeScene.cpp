@@ -123,7 +123,7 @@ bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit&
   const float cosine =
       std::max(absDot(ray.direction, hit.point.geometricNormal), MIN_COSINE * glm::length(ray.direction));
   const auto errorOf = [&](const Hit& h) { return 2 * glm::dot(normal, h.point.error) / cosine; };
-  // Positions on a plane through 0 are exact, but distances are rounded.
+  // Positions on triangles may be exact, but the distances of hits are rounded.
   const float error = errorOf(hit) + roundingBound(8) * hit.t;
   Ray near = ray;
   near.tMax = std::min(ray.tMax, hit.t + WIDER * error);

@@ -82,8 +82,9 @@ class RadiusCache {
 
  private:
   static constexpr size_t NEIGHBOURS = 8;
-  std::vector<Record> records;                              ///< in the order of the slots of `index`
-  std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record, see findNeighbours()
+  std::vector<Record> records; ///< in the order of the slots of `index`
+  std::vector<std::array<uint32_t, NEIGHBOURS>>
+      neighbours; ///< records near each record, see findNeighbours()
   /** Positions of the records, displaced along their normals by the largest radius of the search, so that the
    * two sides of a thin wall are two such radii apart. The nearest may still be on a different surface. */
   PhotonMap index;

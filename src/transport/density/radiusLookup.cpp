@@ -34,7 +34,7 @@ void RadiusCache::findNeighbours() {
     const size_t count = std::min(found.size(), NEIGHBOURS);
     if (count == 0) return;
     std::copy_n(found.begin(), count, others.begin());
-    record.spacing = std::sqrt(distance2(found[std::min<size_t>(2, count - 1)])); // of the third
+    record.spacing = std::sqrt(distance2(found[std::min<size_t>(2, count - 1)]));
     // The last neighbour leads to the nearest record of another surface.
     const auto other = std::ranges::find_if(found, [&](uint32_t slot) {
       return !record.isOnSurfaceOf(records[slot].position, records[slot].normal);
@@ -57,7 +57,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   };
   if (!known)
     for (const uint32_t slot : neighbours[nearest]) consider(slot);
-  if (!known) // all may be on the next layer
+  if (!known) // all of these may be on the next layer
     for (const uint32_t beside : neighbours[nearest])
       for (const uint32_t slot : neighbours[beside]) consider(slot);
   if (known) {

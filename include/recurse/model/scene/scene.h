@@ -94,7 +94,7 @@ struct Lamp {
 
 /** Medium around a finite light or the camera. */
 struct SurroundingMedium {
-  uint16_t index = 0;  ///< of the medium, or if it varies of the one where no boundary determines it
+  uint16_t index = 0;  ///< number of the medium; if it varies, of the one that no boundary determines
   bool varies = false; ///< rays from different points or sides start in different media
 };
 

@@ -22,7 +22,7 @@ struct PixelDirections {
                   ///< BSDF
     GUIDE,        ///< learned by the guide, also where camera paths do not sample it
     BSDF,         ///< of BSDF sampling
-    MIXTURE,      ///< of the mixture of guide and BSDF, by which guided camera paths are sampled
+    MIXTURE,      ///< mixture of the guide and the BSDF, which guided camera paths sample
     DENSITIES
   };
   /** Cells of the equal-area disc, HemisphereDisc::CELLS a row. 0 everywhere: no light, or no density. */
