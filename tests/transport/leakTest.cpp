@@ -187,3 +187,58 @@ Shape "trianglemesh" "point3 P" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0  -1 -1 2  1 -1 
     EXPECT_EQ(through, 0) << height;
   }
 }
+
+// Which of two surfaces a ray hits first depends on rounding, where both are in the same plane.
+TEST(TouchingSurfaces, LampsHideTheCeilingThatTheyAreIn) {
+  const std::string wall =
+                        "Material \"diffuse\"\nShape \"trianglemesh\" \"point3 P\" [ -4 -4 0  4 -4 0  4 4 0 "
+                        " -4 4 0 ] \"integer indices\" [ 0 1 2 0 2 3 ]\n",
+                    emits = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 5 5 5 ]\n",
+                    bilinear = "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\n",
+                    mesh = "Shape \"trianglemesh\" \"point3 P\" [ -1 -1 0  1 -1 0  1 1 0  -1 1 0 ] \"integer "
+                           "indices\" [ 0 1 3 1 2 3 ]\n",
+                    instance = "ObjectBegin \"wall\"\n" + wall +
+                               "ObjectEnd\nAttributeBegin\nIdentity\nObjectInstance \"wall\"\nAttributeEnd\n";
+  for (const std::string& lamp : {bilinear, mesh})
+    for (const std::string& of : {wall, instance})
+      for (const bool isFirst : {false, true}) {
+        const std::string light = emits + lamp + "AttributeEnd\n";
+        const auto scene = sceneFrom("WorldBegin\nRotate 37 1 2 3\nTranslate 0 0 .7\n" +
+                                     (isFirst ? light + of : of + light));
+        ASSERT_TRUE(scene);
+        const glm::mat4 turn = glm::rotate(glm::mat4(1), glm::radians(37.0f), glm::normalize(Vec3f(1, 2, 3)));
+        const auto place = [&](float x, float y, float z) { return Vec3f(turn * glm::vec4(x, y, z, 1)); };
+        std::mt19937 random(5);
+        std::uniform_real_distribution<float> unit(-1, 1);
+        std::vector<Ray> rays;
+        for (int i = 0; i < 4096; ++i) {
+          const Vec3f from = place(unit(random), unit(random), 2),
+                      to = place(.9f * unit(random), .9f * unit(random), .7f);
+          rays.push_back({from, glm::normalize(to - from), INFINITE, 0});
+        }
+        std::vector<Hit> hits(rays.size());
+        scene->intersectBatch(rays, Scene::Coherence::NONE, hits);
+        size_t lit = 0, litAlone = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+          Hit hit;
+          litAlone += scene->intersect(rays[i], hit) && hit.areaLight;
+          lit += hits[i].areaLight != nullptr;
+        }
+        EXPECT_EQ(lit, rays.size()) << lamp << of << isFirst;
+        EXPECT_EQ(litAlone, rays.size()) << lamp << of << isFirst;
+      }
+}
+
+TEST(TouchingSurfaces, AWarningNamesWhatIsHiddenByThem) {
+  const auto messages = [](const std::string& sheet) {
+    Diagnostics diagnostics;
+    buildScene(
+        parseScene("WorldBegin\nShape \"disk\" \"float radius\" 9\n" + sheet, "test.pbrt", ".", diagnostics),
+        {}, diagnostics);
+    return diagnostics.format();
+  };
+  const std::string sheet = "Material \"diffusetransmission\"\nShape \"disk\"\n";
+  EXPECT_NE(messages(sheet).find("not seen"), std::string::npos);
+  EXPECT_EQ(messages("Translate 0 0 .001\n" + sheet), "");
+  EXPECT_EQ(messages("Material \"dielectric\"\nShape \"box\" \"point3 p1\" [ -1 -1 0 ]\n"), "");
+}

@@ -263,3 +263,27 @@ TEST(Panes, DoNotMakeShadowRaysHitTheLamp) {
     }
   }
 }
+
+// There, the rounding of a distance is larger than the position error of the pane.
+TEST(Panes, NearACoordinateOfZeroArePassedOnce) {
+  const auto meanAt = [](const std::string& height) {
+    return renderText(view(16, "0 -5 -.3  0 0 -1  0 0 1", 30) + R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 10 10 10 ]
+Translate 0 0 2
+Shape "sphere" "float radius" .4
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -4 -4 -1  4 -4 -1  -4 4 -1  4 4 -1 ]
+Material "thindielectric"
+Translate 0 0 )" + height +
+                          R"(
+Shape "trianglemesh" "point3 P" [ -4 -4 0  4 -4 0  4 4 0  -4 4 0 ] "integer indices" [ 0 1 2 0 2 3 ]
+)",
+                      "path", "", SANITIZED ? 64 : 256)
+        .mean();
+  };
+  const double further = meanAt(".1");
+  for (const char* height : {".0013", "-.0013", "0"})
+    EXPECT_NEAR(meanAt(height), further, .005 * further) << height;
+}

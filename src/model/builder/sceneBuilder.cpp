@@ -354,7 +354,8 @@ class SceneBuilder {
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
       const std::vector<ShapeGroups::Placed>& placed = shapes.groups()[i].placed;
       KeptParts::TreeKey key;
-      for (const ShapeGroups::Placed& p : placed) key.emplace_back(p.shape, maskOf(*p.shape, p.material));
+      for (const ShapeGroups::Placed& p : placed)
+        key.emplace_back(p.shape, maskOf(*p.shape, p.material, lightOf.contains(p.shape)));
       std::shared_ptr<GeometryGroup> tree = kept && i > 0 ? kept->trees.take(key) : nullptr;
       const bool isKept = tree != nullptr;
       if (kept && i > 0) ++(isKept ? kept->trees.kept : kept->trees.made);
@@ -383,7 +384,17 @@ class SceneBuilder {
       scene->groups.front()->addInstance(*scene->groups[i.group], track, objects.objectOf(i.from, i.partOf));
     }
     scene->groups.front()->commit();
-    scene->findTouching();
+    warnOfHidden(scene->findTouching());
+  }
+
+  void warnOfHidden(const std::vector<const Shape*>& hidden) {
+    for (const ShapeGroups::Placed& p : shapes.groups().front().placed)
+      if (std::find(hidden.begin(), hidden.end(), p.shape) != hidden.end())
+        diagnostics.warning(
+            p.from->shape.location,
+            "this shape is not seen: an opaque one is in the same place, and hides what light "
+            "passes",
+            "a Translate by a thousandth of its size, to the side that it is seen from");
   }
 
   const SceneDescription& description;

@@ -185,11 +185,12 @@ RTCGeometry GeometryGroup::newUserGeometry(SceneGeometry& stored) const {
   return g;
 }
 
-unsigned maskOf(const Shape& shape, const Material* material) {
+unsigned maskOf(const Shape& shape, const Material* material, bool emits) {
   const auto scatters = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
   const std::vector<const Material*> components = shape.componentMaterials();
   if (components.empty())
-    return SEEN | (scatters(material) ? CASTS_SHADOW : 0u) | (isOpaque(material) ? OPAQUE : 0u);
+    return SEEN | (scatters(material) ? CASTS_SHADOW : 0u) |
+           (isOpaque(material) ? (emits ? LAMP : OPAQUE) : 0u);
   return std::any_of(components.begin(), components.end(), scatters) ? SEEN | CASTS_SHADOW : SEEN;
 }
 
@@ -208,7 +209,7 @@ void GeometryGroup::add(const SceneGeometry& added) {
   RTCGeometry g = stored.mesh    ? newTriangles(*stored.mesh, stored)
                   : stored.curve ? newCurve(*stored.curve, stored)
                                  : newUserGeometry(stored);
-  rtcSetGeometryMask(g, maskOf(*stored.shape, stored.material));
+  rtcSetGeometryMask(g, maskOf(*stored.shape, stored.material, stored.light != nullptr));
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() - 1));
   rtcReleaseGeometry(g);
@@ -224,7 +225,7 @@ void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& s
     const glm::mat4 transform(sceneFromGroup.steps()[i]);
     rtcSetGeometryTransform(g, i, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &transform[0][0]);
   }
-  rtcSetGeometryMask(g, SEEN | CASTS_SHADOW | OPAQUE);
+  rtcSetGeometryMask(g, SEEN | CASTS_SHADOW | OPAQUE | LAMP);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() + instances.size()));
   rtcReleaseGeometry(g);

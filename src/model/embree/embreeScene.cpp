@@ -117,7 +117,8 @@ const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
   return group->geometry(position.geometry).mesh;
 }
 
-bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit& opaque) const {
+EmbreeScene::PositionHit EmbreeScene::inSamePlace(const Ray& ray, const Hit& hit, unsigned mask,
+                                                  Wanted wanted, Hit& other) const {
   constexpr float MIN_COSINE = 0.05f, WIDER = 64; // WIDER: largest error of the other surface over this one's
   const Vec3f normal = magnitude(hit.point.geometricNormal);
   const float cosine =
@@ -128,21 +129,23 @@ bool EmbreeScene::hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit&
   Ray near = ray;
   near.tMax = std::min(ray.tMax, hit.t + WIDER * error);
   const float tMin = std::max(0.0f, hit.t - WIDER * error);
-  if (!(tMin < near.tMax && near.tMax < INFINITE)) return false;
-  const PositionHit found = nearest(near, OPAQUE, tMin);
-  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  computeHit(found, ray.time, wanted, opaque);
-  return std::abs(opaque.t - hit.t) <= error + errorOf(opaque);
+  PositionHit found{};
+  found.geometry = RTC_INVALID_GEOMETRY_ID;
+  if (!(tMin < near.tMax && near.tMax < INFINITE)) return found;
+  found = nearest(near, mask, tMin);
+  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return found;
+  computeHit(found, ray.time, wanted, other);
+  if (!(std::abs(other.t - hit.t) <= error + errorOf(other))) found.geometry = RTC_INVALID_GEOMETRY_ID;
+  return found;
 }
 
-void EmbreeScene::findTouching() {
+std::vector<const Shape*> EmbreeScene::findTouching() {
   // Numbers of points: on a mesh, on another shape, and in all.
   constexpr size_t OF_MESH = 256, OF_OTHERS = 32, OF_ALL = 1 << 18;
   constexpr float HEIGHT = 128; // height at which the probing rays start, over the error of the point
   GeometryGroup& top = *groups.front();
-  const auto isAsked = [](const SceneGeometry& g) {
-    return !g.touchesOpaque && !g.curve && (g.compound || !isOpaque(g.material));
-  };
+  const auto passesLight = [](const SceneGeometry& g) { return g.compound || !isOpaque(g.material); };
+  const auto isAsked = [&](const SceneGeometry& g) { return !g.curve && (g.light || passesLight(g)); };
   size_t count = 0;
   std::unordered_map<const GeometryGroup*, GeometryGroup*> changeable;
   for (const auto& group : groups) changeable.emplace(group.get(), group.get());
@@ -155,32 +158,50 @@ void EmbreeScene::findTouching() {
     count += isAsked(group.allGeometries()[id]);
   });
   const size_t most = std::max<size_t>(OF_ALL / std::max<size_t>(count, 1), 1);
+  std::vector<const Shape*> unseen;
   forAll([&](GeometryGroup& group, const GeometryGroup::Instance* instance, size_t id) {
     const SceneGeometry& g = group.allGeometries()[id];
-    if (!isAsked(g)) return;
-    if (!g.shape->isQuicklySampled()) return group.setTouchesOpaque(id);
+    const bool passes = passesLight(g);
+    if (!isAsked(g) || (passes && g.hiddenBy)) return;
+    if (!g.shape->isQuicklySampled()) return group.hide(id, passes ? OPAQUE | LAMP : 0u);
     const size_t points = std::min(most, g.mesh ? OF_MESH : OF_OTHERS);
-    for (uint32_t i = 0; i < points && !g.touchesOpaque; ++i) {
-      Sampler sampler(0, id, i);
+    size_t hidden = 0, asked = 0;
+    // One point decides, and with it those before it whether any part of the surface is seen.
+    while (asked < points && (!passes || hidden == asked || hidden == 0)) {
+      Sampler sampler(0, id, asked++);
       const float pick = sampler.next1D();
-      Hit hit, opaque;
+      Hit hit, other;
       hit.point = g.shape->sampleArea(pick, sampler.next2D()).point;
       if (instance) transformToScene(*instance, 0, hit.point);
       if (!isFinite(hit.point.position)) continue;
       const Vec3f& normal = hit.point.geometricNormal;
-      hit.t = HEIGHT * std::max(glm::dot(magnitude(normal), hit.point.error),
-                                roundingBound(1) * glm::length(hit.point.position));
-      const Ray down{hit.point.position + normal * hit.t, -normal, INFINITE, 0};
-      if (hitsOpaque(down, hit, Wanted::PLACE, opaque)) group.setTouchesOpaque(id);
+      const float height = HEIGHT * std::max(glm::dot(magnitude(normal), hit.point.error),
+                                             roundingBound(1) * glm::length(hit.point.position));
+      const Ray down{hit.point.position + normal * height, -normal, INFINITE, 0};
+      hit.t = glm::dot(down.origin - hit.point.position, normal);
+      const PositionHit found = inSamePlace(down, hit, passes ? OPAQUE | LAMP : OPAQUE, Wanted::PLACE, other);
+      if (found.geometry == RTC_INVALID_GEOMETRY_ID) continue;
+      ++hidden;
+      if (passes)
+        group.hide(id, OPAQUE | LAMP);
+      else if (found.instance == RTC_INVALID_GEOMETRY_ID)
+        top.hide(found.geometry, LAMP);
+      else
+        changeable.at(top.instance(found.instance).group)->hide(found.geometry, LAMP);
     }
+    if (!instance && passes && hidden == points) unseen.push_back(g.shape);
   });
+  return unseen;
 }
 
 void EmbreeScene::complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const {
   const SceneGeometry& g = computeHit(position, ray.time, wanted, hit);
-  // A ray that is refracted into the floor under a block of glass would start below the floor.
-  if (!g.touchesOpaque || isOpaque(hit.material)) return;
-  if (Hit opaque; hitsOpaque(ray, hit, wanted, opaque)) hit = opaque;
+  if (!g.hiddenBy) return;
+  // Of a surface that light passes: a ray that is refracted into the floor under a block of glass would start
+  // below the floor. Of a ceiling: a lamp in its plane would be dark where the ceiling is hit first.
+  const unsigned mask = isOpaque(hit.material) ? g.hiddenBy & LAMP : g.hiddenBy;
+  if (Hit other; mask && inSamePlace(ray, hit, mask, wanted, other).geometry != RTC_INVALID_GEOMETRY_ID)
+    hit = other;
 }
 
 const SceneGeometry& EmbreeScene::computeHit(const PositionHit& position, float time, Wanted wanted,

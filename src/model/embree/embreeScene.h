@@ -16,8 +16,9 @@ class GeometryGroup;
 class CurveShape;
 
 /** Ray masks. Surfaces that emit and do not scatter are visible to rays but cast no shadow. For rays of
- * PROBES, too, surfaces with an alpha above 0 are solid. OPAQUE surfaces are all that light does not pass. */
-constexpr unsigned SEEN = 1, CASTS_SHADOW = 2, PROBES = 4, OPAQUE = 8;
+ * PROBES, too, surfaces with an alpha above 0 are solid. Light passes neither OPAQUE surfaces nor LAMP ones,
+ * which emit. */
+constexpr unsigned SEEN = 1, CASTS_SHADOW = 2, PROBES = 4, OPAQUE = 8, LAMP = 16;
 
 /** One shape in a tree, with the attributes of hits on it. */
 struct SceneGeometry {
@@ -30,9 +31,9 @@ struct SceneGeometry {
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
   const CurveShape* curve = nullptr;  ///< the shape, if it is a curve; set by GeometryGroup::add
   bool compound = false;              ///< the shape's components have materials of their own
-  bool touchesOpaque = false;         ///< light passes the surface, and a part of it is on an opaque one
-  int shapeIndex = -1;                ///< Hit::shape
-  uint32_t object = 0;                ///< Hit::object, unless it is part of an instance
+  unsigned hiddenBy = 0; ///< mask of the surfaces that hide this one where both are in the same place
+  int shapeIndex = -1;   ///< Hit::shape
+  uint32_t object = 0;   ///< Hit::object, unless it is part of an instance
 };
 
 /** Device of Embree, with the memory that it has allocated [bytes]. */
@@ -51,8 +52,8 @@ class EmbreeDevice {
   RTCDevice handle;
 };
 
-/** Mask of the rays that a shape is visible to. */
-unsigned maskOf(const Shape& shape, const Material* material);
+/** Mask of the rays that a shape is visible to; `emits`: it is the shape of an area light. */
+unsigned maskOf(const Shape& shape, const Material* material, bool emits);
 
 /** Shapes with a tree of their own: the top level, one object definition, or a moving shape. */
 class GeometryGroup {
@@ -68,7 +69,7 @@ class GeometryGroup {
   void add(const SceneGeometry& geometry);
   /** Sets the attributes of hits on geometry `id` of a kept tree; the shape must be the same. */
   void update(size_t id, const SceneGeometry& geometry);
-  void setTouchesOpaque(size_t id) { geometries[id].touchesOpaque = true; }
+  void hide(size_t id, unsigned mask) { geometries[id].hiddenBy |= mask; }
   void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
   void commit() { rtcCommitScene(tree); }
 
@@ -130,15 +131,16 @@ class EmbreeScene final : public Scene {
   enum class Wanted { SURFACE, PLACE };
   /** Finds the nearest surface for rays of a mask. */
   bool find(const Ray& ray, unsigned mask, Wanted wanted, Hit& hit) const;
-  /** Completes a hit, or an opaque one in the same place. */
+  /** Completes a hit, or that of a surface which hides it in the same place. */
   void complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const;
   /** Computes the members of a hit. Returns the geometry. */
   const SceneGeometry& computeHit(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
-  /** Finds an opaque surface in the same place as a hit on a surface that light passes: nearer than the
-   * errors of both positions. Returns false if there is none. */
-  bool hitsOpaque(const Ray& ray, const Hit& hit, Wanted wanted, Hit& opaque) const;
-  /** Sets SceneGeometry::touchesOpaque by points on the surfaces that light passes. */
-  void findTouching();
+  /** Finds a surface of `mask` in the same place as a hit on another one: nearer than the errors of both
+   * positions. Its geometry is INVALID if there is none. */
+  PositionHit inSamePlace(const Ray& ray, const Hit& hit, unsigned mask, Wanted wanted, Hit& other) const;
+  /** Sets SceneGeometry::hiddenBy by points on the surfaces that light passes, and on lamps. Returns the
+   * shapes of which no point is seen. */
+  std::vector<const Shape*> findTouching();
 
   std::shared_ptr<const EmbreeDevice> device;
   bool packets; ///< Embree supports packets of 8 rays on this processor

@@ -56,7 +56,7 @@ void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, 
       passed(hit);
     }
     nesting.enterMedium(hit, light.direction);
-    if (!passBehind(ray, hit)) return;
+    if (!passBehind(ray, hit, light)) return;
   }
 }
 

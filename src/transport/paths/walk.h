@@ -217,17 +217,13 @@ inline LightState startInMedium(const Scene& scene, const PathClasses& classes, 
   return classes.lightStart(scene.lights().size() + medium - 1);
 }
 
-/** Moves the origin of a shadow ray behind a surface, along the ray: beside it, the ray would miss its
- * target, and could hit the surface of the light. Returns false at its end. */
-inline bool passBehind(Ray& ray, const Hit& hit) {
-  const Vec3f normal = hit.point.normalTowards(ray.direction);
-  const float height = glm::dot(hit.point.rayOrigin(ray.direction) - ray.at(hit.t), normal);
-  // Twice the height includes the rounding errors of the new origin.
-  const float t = hit.t + 2 * std::max(0.0f, height) / glm::dot(ray.direction, normal);
-  if (!(t < ray.tMax)) return false;
-  ray.origin = ray.at(t);
-  ray.tMax -= t;
-  return true;
+/** Moves the origin of a shadow ray behind a surface, and aims it at its target again: displaced only, it could
+ * hit the surface of the light. Returns false where nothing of the ray is left. */
+inline bool passBehind(Ray& ray, const Hit& hit, const LiSample& light) {
+  ray = rayBehind(ray, hit);
+  if (light.distance == INFINITE) return true;
+  ray = {ray.origin, light.target - ray.origin, REST, ray.time};
+  return glm::dot(ray.direction, light.direction) > 0;
 }
 
 /** Transmittance along an occluded shadow ray: up to `maxPanes` thin panes, and the surfaces hidden by nested
@@ -253,7 +249,7 @@ Rgb throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi, 
       if (isBlack(value)) return BLACK;
       passed(hit);
     }
-    if (!passBehind(ray, hit)) break;
+    if (!passBehind(ray, hit, light)) break;
   }
   return value;
 }
