@@ -675,6 +675,37 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   EXPECT_LT(reach, 36) << "of 3600";
 }
 
+// Where photons are far apart, the search reaches across the room. Its lookups must not.
+TEST(BoundaryCorrection, APoolOfLightOnTheCeilingDoesNotHideTheWalls) {
+  const ThreadPool pool;
+  const auto scene = sceneOf("Shape \"box\" \"point3 p1\" [ -1 -1 -1 ] \"point3 p2\" [ 1 1 1 ]\n");
+  std::vector<Photon> list = onFloor(5, 20000);
+  for (Photon& p : list) {
+    p.position = 0.05f * p.position + Vec3f(0, 0, 1);
+    p.direction = packDirection({0, 0, -1});
+    p.normal = packDirection({0, 0, -1});
+  }
+  const auto onWall = [](const Vec3f& p) { return Vec3f(-1, p.x, p.y); };
+  for (const Photon& p : onFloor(6, 500)) {
+    list.push_back(p);
+    list.back().position = onWall(p.position);
+    list.back().direction = list.back().normal = packDirection({1, 0, 0});
+  }
+  std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
+  for (VisiblePoint& v : seen) {
+    v.point.position = onWall(v.point.position);
+    v.point.geometricNormal = v.point.shadingNormal = {1, 0, 0};
+  }
+  PhotonMap map;
+  map.build(list);
+  TransportCounts counts;
+  RadiusCache cache;
+  cache.build(*scene, map, 0, {}, nearestWithin(8, 1), 2.0 / 3, LightDetail::FINE, {}, counts);
+  int wide = 0;
+  for (const VisiblePoint& v : seen) wide += cache.at(v.point.position, {1, 0, 0}).radius > 0.5f;
+  EXPECT_LT(wide, 36) << "of 3600";
+}
+
 TEST(BoundaryCorrection, RecordsOnAFlatFloorShareProbes) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);

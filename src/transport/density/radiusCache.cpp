@@ -372,6 +372,16 @@ class RecordFitter {
   TransportCounts& counts;
 };
 
+/** Median of the radii; 0 without records. */
+float medianRadius(const std::vector<Record>& records) {
+  if (records.empty()) return 0;
+  std::vector<float> radii(records.size());
+  std::ranges::transform(records, radii.begin(), &Record::radius);
+  const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::ranges::nth_element(radii, middle);
+  return *middle;
+}
+
 } // namespace
 
 void RadiusCache::build(const Scene& scene, const PhotonMap& first, float time,
@@ -379,7 +389,6 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, float time,
                         LightDetail detail, const RayAlternative& rays, TransportCounts& counts,
                         bool choosesAreas) {
   limit = search.radius;
-  lift = std::min(search.radius, 2 * scene.bounds().radius);
   records.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
   constexpr size_t EVERY = 4, MIN_COUNT = 8192, MAX_COUNT = 65536;
@@ -389,15 +398,16 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, float time,
   if (!first.empty())
     records = finder.find(std::max(EVERY, first.size() / std::clamp(pixels / 4, MIN_COUNT, MAX_COUNT)), seen,
                           time, ofPhotons);
-  std::vector<Photon> lifted(records.size());
-  for (size_t i = 0; i < records.size(); ++i)
-    lifted[i].position = regionInIndex(records[i].position, records[i].normal).center;
   if (alpha > 0 && search.nearest > 0 && !records.empty()) {
     finder.judge(records, ofPhotons, alpha, detail, choosesAreas);
     if (choosesAreas) limit *= ofArea(SupportErrors::AREAS - 2);
   } else {
     finder.fit(records);
   }
+  lift = medianRadius(records);
+  std::vector<Photon> lifted(records.size());
+  for (size_t i = 0; i < records.size(); ++i)
+    lifted[i].position = regionInIndex(records[i].position, records[i].normal).center;
   index.build(lifted);
   std::vector<Record> inOrder(records.size());
   for (size_t slot = 0; slot < index.size(); ++slot) inOrder[slot] = records[index.emissionIndex(slot)];

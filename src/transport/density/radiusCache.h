@@ -48,7 +48,7 @@ class RadiusCache {
              TransportCounts& counts, bool choosesAreas = true);
   /** Looks up the radius at a point with this geometric normal. The record is chosen among the nearest and
    * its neighbours by a hash of the position, which hides borders between records. The radius is at least the
-   * distance to the record, within the limit of the search. Without records it is search.radius. */
+   * distance to the nearest, within the limit of the search. Without records it is search.radius. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return records.size(); }
@@ -85,8 +85,9 @@ class RadiusCache {
   std::vector<Record> records; ///< in the order of the slots of `index`
   std::vector<std::array<uint32_t, NEIGHBOURS>>
       neighbours; ///< records near each record, see findNeighbours()
-  /** Positions of the records, displaced along their normals by the largest radius of the search, so that the
-   * two sides of a thin wall are two such radii apart. The nearest may still be on a different surface. */
+  /** Positions of the records, displaced along their normals by their median radius, so that the two sides of
+   * a thin wall are two such radii apart. A larger displacement would mix the walls of a room. The nearest
+   * may still be on a different surface. */
   PhotonMap index;
   float limit = 0, lift = 0;
 

@@ -60,6 +60,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   if (!known) // all of these may be on the next layer
     for (const uint32_t beside : neighbours[nearest])
       for (const uint32_t slot : neighbours[beside]) consider(slot);
+  const float unknown = glm::distance(position, records[best].position);
   if (known) {
     // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
@@ -74,9 +75,9 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     if (distance2(slot) < distance2(best) && isKnown(slot)) best = slot;
   }
   const Record& record = records[best];
-  const float away = glm::distance(position, record.position);
-  // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
-  return {std::min(limit, std::max(record.radius, away)), known ? &record.around : nullptr, away, best};
+  // Nearer than the nearest record, the distance to the k-th photon is unknown.
+  return {std::min(limit, std::max(record.radius, unknown)), known ? &record.around : nullptr,
+          glm::distance(position, record.position), best};
 }
 
 } // namespace recurse
