@@ -54,14 +54,16 @@ std::optional<HitParameters> CurveShape::parametersOf(uint32_t segment, float u,
   Vec3d normal = perpendicular(-d, along);
   const Vec3d across = glm::cross(along, normal), met = Vec3d(origin) + d * double(t);
   double v = c.radius > 0 ? std::clamp(glm::dot(met - c.position, across) / c.radius, -1.0, 1.0) : 0;
-  if (curveKind == Kind::RIBBON) { // narrowed as in pbrt-v4, by the cosine of normal and ray
+  // Narrowed as in pbrt-v4 by the cosine of normal and ray, but by that of the surface's normal, so that both
+  // vanish together: photons that hit a ribbon of no cosine would be infinitely bright.
+  if (curveKind == Kind::RIBBON) {
     const Vec3d n0 = ends[2 * segment], n1 = ends[2 * segment + 1];
     const double angle = std::acos(std::clamp(glm::dot(n0, n1), -1.0, 1.0)), sine = std::sin(angle);
     const Vec3d turned =
         sine > 1e-6 ? (n0 * std::sin((1 - double(u)) * angle) + n1 * std::sin(double(u) * angle)) / sine : n0;
-    const double narrowed = std::abs(glm::dot(turned, d)) / glm::length(d);
-    if (std::abs(v) > narrowed) return {};
     normal = perpendicular(turned, along);
+    const double narrowed = std::abs(glm::dot(normal, d)) / glm::length(d);
+    if (std::abs(v) > narrowed) return {};
     v = narrowed > 0 ? v / narrowed : 0;
     if (glm::dot(glm::cross(along, normal), across) < 0) v = -v;
   }
