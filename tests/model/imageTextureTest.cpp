@@ -292,7 +292,7 @@ TEST(ImageMap, TexturesThatNameEachOther) {
              "depends on itself");
   expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture "
                          "displacement\" \"a\"\nShape \"sphere\""),
-             "no float texture \"a\"");
+             "texture \"a\" is a spectrum texture; this parameter takes a float texture");
 }
 
 TEST(ImageMap, TexturesAndMaterialsOfTooManyLevelsOrPartsAreRefused) {

@@ -293,7 +293,7 @@ TEST(Directives, WrongSideOfWorldBegin) {
   EXPECT_CONTAINS(diagnostics.format(), "Shape must stand after WorldBegin");
   EXPECT_EQ(s.shapes.size(), 2u);
   EXPECT_CONTAINS(messages("WorldBegin Film \"rgb\" Shape \"a\""), "Film must stand before WorldBegin");
-  EXPECT_CONTAINS(messages("WorldBegin WorldBegin"), "WorldBegin must stand before WorldBegin");
+  EXPECT_CONTAINS(messages("WorldBegin WorldBegin"), "a second WorldBegin");
   EXPECT_CONTAINS(messages("Camera \"perspective\""), "no WorldBegin");
   EXPECT_CONTAINS(messages(""), "no WorldBegin");
 }
@@ -305,6 +305,13 @@ TEST(Directives, Blocks) {
   std::string deep = "WorldBegin ";
   for (int i = 0; i < 5000; ++i) deep += "AttributeBegin ";
   EXPECT_CONTAINS(messages(deep), "blocks are open");
+}
+
+TEST(Directives, LampsWithoutAShape) {
+  const std::string lamp = "WorldBegin\nAttributeBegin AreaLightSource \"diffuse\" ";
+  EXPECT_CONTAINS(messages(lamp + "AttributeEnd Shape \"a\""), "test.pbrt:2:32: warning: no shape follows");
+  EXPECT_EQ(messages(lamp + "Shape \"a\" AttributeEnd"), "");
+  EXPECT_EQ(messages("WorldBegin AreaLightSource \"\""), "");
 }
 
 TEST(Directives, ColorSpaces) {

@@ -61,8 +61,12 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
     return textured(found->second.texture);
   }
   std::vector<std::string> names;
+  bool isOtherKind = false;
   for (auto t = c.description.textures.rbegin(); t != c.description.textures.rend(); ++t) {
-    if (t->spectrum != spectrum) continue;
+    if (t->spectrum != spectrum) {
+      isOtherKind = isOtherKind || t->name == texture;
+      continue;
+    }
     if (t->name != texture) {
       names.push_back(t->name);
       continue;
@@ -82,7 +86,11 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
     addPart(p, name, extent);
     return textured(pointer);
   }
-  p.fail(name, "there is no " + std::string(spectrum ? "spectrum" : "float") + " texture \"" + texture + "\"",
+  const char *kind = spectrum ? "spectrum" : "float", *other = spectrum ? "float" : "spectrum";
+  p.fail(name,
+         isOtherKind ? formatted("texture \"%s\" is a %s texture; this parameter takes a %s texture",
+                                 texture.c_str(), other, kind)
+                     : formatted("there is no %s texture \"%s\"", kind, texture.c_str()),
          quotedList(nearestNames(texture, names)));
 }
 

@@ -55,8 +55,9 @@ template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigne
 
 RTCDevice newDevice() {
   RTCDevice device = rtcNewDevice(nullptr);
-  if (!device)
-    throw Error("Embree does not start (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+  const RTCError problem = device ? RTC_ERROR_NONE : rtcGetDeviceError(nullptr);
+  if (problem == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (!device) throw Error("Embree does not start (error " + std::to_string(problem) + ")");
   rtcSetDeviceErrorFunction(
       device,
       [](void*, RTCError code, const char* text) {

@@ -150,6 +150,7 @@ void SceneParser::parse(const Source& top) {
     chooseCamera();
     nested.expand(scene, log);
     reportUnusedTracks();
+    reportUnusedLamps();
     if (!inWorld) {
       SourceLocation where;
       where.source = top.text; // no line, since the directive is missing
@@ -187,7 +188,9 @@ void SceneParser::parseTokens(const Source& source) {
 
 void SceneParser::carryOut(const Directive& directive, const Token& token) {
   if (directive.place == DirectiveScope::BEFORE_WORLD && inWorld && !assumedWorld) {
-    log.error(token.location(), std::string(directive.name) + " must stand before WorldBegin");
+    log.error(token.location(), token.text == "WorldBegin"
+                                    ? "a second WorldBegin: the scene has already begun"
+                                    : std::string(directive.name) + " must stand before WorldBegin");
     resynchronise();
     return;
   }

@@ -153,6 +153,7 @@ class SceneParser {
   void shape(const Token&);
   void lightSource(const Token&);
   void areaLightSource(const Token&);
+  void reportUnusedLamps();
   void mediumInterface(const Token&);
   void makeNamedMedium(const Token&);
   void objectBegin(const Token&);
@@ -172,6 +173,7 @@ class SceneParser {
   size_t firstBlock = 0; ///< earlier blocks belong to the importing file
   std::map<std::string, Transforms> coordinateSystems;
   std::set<std::shared_ptr<const Diagnostic>> faultsReported;
+  std::set<int> lampsWithShape; ///< into SceneDescription::areaLights
   std::map<std::pair<bool, std::string>, SourceLocation> textureNames;
   ObjectDescription* object = nullptr; ///< object being defined
   ObjectDescription discarded;         ///< replaces an object that cannot be defined

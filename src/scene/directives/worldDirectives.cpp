@@ -161,6 +161,7 @@ void SceneParser::shape(const Token& t) {
   s.reverseOrientation = state.reverseOrientation;
   s.material = state.material;
   s.areaLight = state.areaLight;
+  lampsWithShape.insert(state.areaLight);
   s.medium = state.medium;
   (object ? object->shapes : scene.shapes).push_back(std::move(s));
 }
@@ -180,6 +181,13 @@ void SceneParser::areaLightSource(const Token& t) {
   if (d.type.empty()) return;
   state.areaLight = static_cast<int>(scene.areaLights.size());
   scene.areaLights.push_back(std::move(d));
+}
+
+void SceneParser::reportUnusedLamps() {
+  for (size_t i = 0; i < scene.areaLights.size(); ++i)
+    if (!lampsWithShape.contains(static_cast<int>(i)))
+      log.warning(scene.areaLights[i].location, "no shape follows that this light could shine from",
+                  "a Shape after it, in the same AttributeBegin and AttributeEnd");
 }
 
 void SceneParser::mediumInterface(const Token& t) {
