@@ -217,8 +217,8 @@ inline LightState startInMedium(const Scene& scene, const PathClasses& classes, 
   return classes.lightStart(scene.lights().size() + medium - 1);
 }
 
-/** Moves the origin of a shadow ray behind a surface, and aims it at its target again: displaced only, it could
- * hit the surface of the light. Returns false where nothing of the ray is left. */
+/** Moves the origin of a shadow ray behind a surface, and aims it at its target again: displaced only, it
+ * could hit the surface of the light. Returns false where nothing of the ray is left. */
 inline bool passBehind(Ray& ray, const Hit& hit, const LiSample& light) {
   ray = rayBehind(ray, hit);
   if (light.distance == INFINITE) return true;
