@@ -675,7 +675,8 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   EXPECT_LT(reach, 36) << "of 3600";
 }
 
-// Where photons are far apart, the search reaches across the room. Its lookups must not.
+// Where photons are far apart, the radius of the search is as large as the room. The lookup of the radius on
+// a wall must not find records on the ceiling.
 TEST(BoundaryCorrection, APoolOfLightOnTheCeilingDoesNotHideTheWalls) {
   const ThreadPool pool;
   const auto scene = sceneOf("Shape \"box\" \"point3 p1\" [ -1 -1 -1 ] \"point3 p2\" [ 1 1 1 ]\n");

@@ -264,7 +264,7 @@ TEST(Panes, DoNotMakeShadowRaysHitTheLamp) {
   }
 }
 
-// There, the rounding of a distance is larger than the position error of the pane.
+// Near a coordinate of zero, the rounding of a distance is larger than the position error of a pane.
 TEST(Panes, NearACoordinateOfZeroArePassedOnce) {
   const auto meanAt = [](const std::string& height) {
     return renderText(view(16, "0 -5 -.3  0 0 -1  0 0 1", 30) + R"(

@@ -388,12 +388,12 @@ class SceneBuilder {
   }
 
   void warnOfHidden(const std::vector<const Shape*>& hidden) {
+    const std::set<const Shape*> shapesHidden(hidden.begin(), hidden.end());
     for (const ShapeGroups::Placed& p : shapes.groups().front().placed)
-      if (std::find(hidden.begin(), hidden.end(), p.shape) != hidden.end())
+      if (shapesHidden.contains(p.shape))
         diagnostics.warning(
             p.from->shape.location,
-            "this shape is not seen: an opaque one is in the same place, and hides what light "
-            "passes",
+            "this shape is not seen: light passes it, and an opaque surface is in the same place",
             "a Translate by a thousandth of its size, to the side that it is seen from");
   }
 

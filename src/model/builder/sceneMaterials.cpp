@@ -62,21 +62,22 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
   }
   std::vector<std::string> names;
   bool isOtherKind = false;
-  for (auto t = c.description.textures.rbegin(); t != c.description.textures.rend(); ++t) {
-    if (t->spectrum != spectrum) {
-      isOtherKind = isOtherKind || t->name == texture;
+  for (size_t i = c.description.textures.size(); i > 0; --i) {
+    const TextureDescription& t = c.description.textures[i - 1];
+    if (t.spectrum != spectrum) {
+      isOtherKind = isOtherKind || t.name == texture;
       continue;
     }
-    if (t->name != texture) {
-      names.push_back(t->name);
+    if (t.name != texture) {
+      names.push_back(t.name);
       continue;
     }
     if (texturesUnderWay >= MAX_LEVELS) failAsTooDeep(p, name);
     texturesByName[key] = {nullptr, true, {}};
     ++texturesUnderWay;
     const Extent around = std::exchange(parts, {});
-    const TextureContext context{*this, spectrum, t->worldFromTexture, &c.sceneOrigin};
-    std::unique_ptr<Texture> made = plugIns().textures.make(t->texture, context, c.diagnostics, c.lenient);
+    const TextureContext context{*this, spectrum, t.worldFromTexture, &c.sceneOrigin};
+    std::unique_ptr<Texture> made = plugIns().textures.make(t.texture, context, c.diagnostics, c.lenient);
     const Texture* pointer = made.get();
     if (made) textures.push_back(std::move(made));
     const Extent extent{parts.levels + 1, parts.count + 1};

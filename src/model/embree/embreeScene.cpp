@@ -164,10 +164,10 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
     const SceneGeometry& g = group.allGeometries()[id];
     const bool passes = passesLight(g);
     if (!isAsked(g) || (passes && g.hiddenBy)) return;
-    if (!g.shape->isQuicklySampled()) return group.hide(id, passes ? OPAQUE | LAMP : 0u);
+    if (!g.shape->isQuicklySampled()) return group.hide(id, passes ? OPAQUE : 0u);
     const size_t points = std::min(most, g.mesh ? OF_MESH : OF_OTHERS);
     size_t hidden = 0, asked = 0;
-    // One point decides, and with it those before it whether any part of the surface is seen.
+    // The first hidden point marks a surface. The next ones tell whether all of it is hidden.
     while (asked < points && (!passes || hidden == asked || hidden == 0)) {
       Sampler sampler(0, id, asked++);
       const float pick = sampler.next1D();
@@ -190,7 +190,9 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
       else
         changeable.at(top.instance(found.instance).group)->hide(found.geometry, LAMP);
     }
-    if (!instance && passes && hidden == points) unseen.push_back(g.shape);
+    if (!instance && passes && hidden == points && points >= OF_OTHERS && !g.media.isBoundary() &&
+        !shapesMove)
+      unseen.push_back(g.shape);
   });
   return unseen;
 }
@@ -198,8 +200,9 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
 void EmbreeScene::complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const {
   const SceneGeometry& g = computeHit(position, ray.time, wanted, hit);
   if (!g.hiddenBy) return;
-  // Of a surface that light passes: a ray that is refracted into the floor under a block of glass would start
-  // below the floor. Of a ceiling: a lamp in its plane would be dark where the ceiling is hit first.
+  // Without the first rule, a ray that is refracted into the floor under a block of glass would start below
+  // the floor. Without the second, a lamp in the plane of a ceiling would be dark where the ceiling is hit
+  // first.
   const unsigned mask = isOpaque(hit.material) ? g.hiddenBy & LAMP : g.hiddenBy;
   if (Hit other; mask && inSamePlace(ray, hit, mask, wanted, other).geometry != RTC_INVALID_GEOMETRY_ID)
     hit = other;

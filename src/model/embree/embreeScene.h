@@ -136,10 +136,11 @@ class EmbreeScene final : public Scene {
   /** Computes the members of a hit. Returns the geometry. */
   const SceneGeometry& computeHit(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
   /** Finds a surface of `mask` in the same place as a hit on another one: nearer than the errors of both
-   * positions. Its geometry is INVALID if there is none. */
+   * positions. Its geometry is RTC_INVALID_GEOMETRY_ID if there is none. */
   PositionHit inSamePlace(const Ray& ray, const Hit& hit, unsigned mask, Wanted wanted, Hit& other) const;
   /** Sets SceneGeometry::hiddenBy by points on the surfaces that light passes, and on lamps. Returns the
-   * shapes of which no point is seen. */
+   * shapes outside of instances of which no point is seen; none where shapes move, or where they are the
+   * boundaries of media. */
   std::vector<const Shape*> findTouching();
 
   std::shared_ptr<const EmbreeDevice> device;

@@ -54,8 +54,8 @@ std::optional<HitParameters> CurveShape::parametersOf(uint32_t segment, float u,
   Vec3d normal = perpendicular(-d, along);
   const Vec3d across = glm::cross(along, normal), met = Vec3d(origin) + d * double(t);
   double v = c.radius > 0 ? std::clamp(glm::dot(met - c.position, across) / c.radius, -1.0, 1.0) : 0;
-  // Narrowed as in pbrt-v4 by the cosine of normal and ray, but by that of the surface's normal, so that both
-  // vanish together: photons that hit a ribbon of no cosine would be infinitely bright.
+  // A ribbon is narrowed as in pbrt-v4 by the cosine of normal and ray. The normal is that of the surface,
+  // perpendicular to the curve: photons that arrive at a cosine of zero would be infinitely bright.
   if (curveKind == Kind::RIBBON) {
     const Vec3d n0 = ends[2 * segment], n1 = ends[2 * segment + 1];
     const double angle = std::acos(std::clamp(glm::dot(n0, n1), -1.0, 1.0)), sine = std::sin(angle);

@@ -155,13 +155,13 @@ void SceneParser::texture(const Token& t) {
 
 void SceneParser::shape(const Token& t) {
   ShapeDescription s;
+  lampsWithShape.insert(state.areaLight);
   s.shape = takePlugIn(t, AttributeTarget::SHAPE);
   s.worldFromObject = firstTransform(s.shape.location);
   s.worldFromObjectLast = lastTransform();
   s.reverseOrientation = state.reverseOrientation;
   s.material = state.material;
   s.areaLight = state.areaLight;
-  lampsWithShape.insert(state.areaLight);
   s.medium = state.medium;
   (object ? object->shapes : scene.shapes).push_back(std::move(s));
 }

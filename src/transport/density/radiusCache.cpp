@@ -404,7 +404,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, float time,
   } else {
     finder.fit(records);
   }
-  lift = medianRadius(records);
+  lift = std::min(medianRadius(records), 2 * scene.bounds().radius);
   std::vector<Photon> lifted(records.size());
   for (size_t i = 0; i < records.size(); ++i)
     lifted[i].position = regionInIndex(records[i].position, records[i].normal).center;

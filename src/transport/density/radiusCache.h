@@ -48,7 +48,8 @@ class RadiusCache {
              TransportCounts& counts, bool choosesAreas = true);
   /** Looks up the radius at a point with this geometric normal. The record is chosen among the nearest and
    * its neighbours by a hash of the position, which hides borders between records. The radius is at least the
-   * distance to the nearest, within the limit of the search. Without records it is search.radius. */
+   * distance to the record that was found first, within the limit of the search. Without records it is
+   * search.radius. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return records.size(); }

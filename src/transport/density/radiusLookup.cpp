@@ -60,7 +60,8 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   if (!known) // all of these may be on the next layer
     for (const uint32_t beside : neighbours[nearest])
       for (const uint32_t slot : neighbours[beside]) consider(slot);
-  const float unknown = glm::distance(position, records[best].position);
+  // The density of photons is unknown over smaller distances than that to the nearest record.
+  const float least = glm::distance(position, records[best].position);
   if (known) {
     // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
@@ -75,8 +76,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     if (distance2(slot) < distance2(best) && isKnown(slot)) best = slot;
   }
   const Record& record = records[best];
-  // Nearer than the nearest record, the distance to the k-th photon is unknown.
-  return {std::min(limit, std::max(record.radius, unknown)), known ? &record.around : nullptr,
+  return {std::min(limit, std::max(record.radius, least)), known ? &record.around : nullptr,
           glm::distance(position, record.position), best};
 }
 
