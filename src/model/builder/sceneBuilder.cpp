@@ -387,10 +387,9 @@ class SceneBuilder {
     warnOfHidden(scene->findTouching());
   }
 
-  void warnOfHidden(const std::vector<const Shape*>& hidden) {
-    const std::set<const Shape*> shapesHidden(hidden.begin(), hidden.end());
+  void warnOfHidden(const std::set<const Shape*>& hidden) {
     for (const ShapeGroups::Placed& p : shapes.groups().front().placed)
-      if (shapesHidden.contains(p.shape))
+      if (hidden.contains(p.shape))
         diagnostics.warning(
             p.from->shape.location,
             "this shape is not seen: light passes it, and an opaque surface is in the same place",

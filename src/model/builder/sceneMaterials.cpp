@@ -61,13 +61,9 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
     return textured(found->second.texture);
   }
   std::vector<std::string> names;
-  bool isOtherKind = false;
   for (size_t i = c.description.textures.size(); i > 0; --i) {
     const TextureDescription& t = c.description.textures[i - 1];
-    if (t.spectrum != spectrum) {
-      isOtherKind = isOtherKind || t.name == texture;
-      continue;
-    }
+    if (t.spectrum != spectrum) continue;
     if (t.name != texture) {
       names.push_back(t.name);
       continue;
@@ -87,6 +83,8 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
     addPart(p, name, extent);
     return textured(pointer);
   }
+  const bool isOtherKind = std::ranges::any_of(
+      c.description.textures, [&](const TextureDescription& t) { return t.name == texture; });
   const char *kind = spectrum ? "spectrum" : "float", *other = spectrum ? "float" : "spectrum";
   p.fail(name,
          isOtherKind ? formatted("texture \"%s\" is a %s texture; this parameter takes a %s texture",

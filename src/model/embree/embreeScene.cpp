@@ -111,15 +111,17 @@ EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray, unsigned mask, flo
   return {rayHit.ray.tfar, parametersOf(h), h.geomID, h.primID, h.instID[0]};
 }
 
-const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
-  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
-  const GeometryGroup* group = groups.front().get();
-  if (position.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(position.instance).group;
-  return group->geometry(position.geometry).mesh;
+const GeometryGroup& EmbreeScene::groupOf(const PositionHit& position) const {
+  return position.instance == RTC_INVALID_GEOMETRY_ID ? top() : *top().instance(position.instance).group;
 }
 
-EmbreeScene::PositionHit EmbreeScene::inSamePlace(const Ray& ray, const Hit& hit, unsigned mask,
-                                                  Wanted wanted, Hit& other) const {
+const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
+  return position.geometry == RTC_INVALID_GEOMETRY_ID ? nullptr
+                                                      : groupOf(position).geometry(position.geometry).mesh;
+}
+
+std::optional<EmbreeScene::PositionHit>
+EmbreeScene::inSamePlace(const Ray& ray, const Hit& hit, unsigned mask, Wanted wanted, Hit& other) const {
   constexpr float MIN_COSINE = 0.05f, WIDER = 64; // WIDER: largest error of the other surface over this one's
   const Vec3f normal = magnitude(hit.point.geometricNormal);
   const float cosine =
@@ -130,17 +132,15 @@ EmbreeScene::PositionHit EmbreeScene::inSamePlace(const Ray& ray, const Hit& hit
   Ray near = ray;
   near.tMax = std::min(ray.tMax, hit.t + WIDER * error);
   const float tMin = std::max(0.0f, hit.t - WIDER * error);
-  PositionHit found{};
-  found.geometry = RTC_INVALID_GEOMETRY_ID;
-  if (!(tMin < near.tMax && near.tMax < INFINITE)) return found;
-  found = nearest(near, mask, tMin);
-  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return found;
+  if (!(tMin < near.tMax && near.tMax < INFINITE)) return {};
+  const PositionHit found = nearest(near, mask, tMin);
+  if (found.geometry == RTC_INVALID_GEOMETRY_ID) return {};
   computeHit(found, ray.time, wanted, other);
-  if (!(std::abs(other.t - hit.t) <= error + errorOf(other))) found.geometry = RTC_INVALID_GEOMETRY_ID;
+  if (!(std::abs(other.t - hit.t) <= error + errorOf(other))) return {};
   return found;
 }
 
-std::vector<const Shape*> EmbreeScene::findTouching() {
+std::set<const Shape*> EmbreeScene::findTouching() {
   // Numbers of points: on a mesh, on another shape, and in all.
   constexpr size_t OF_MESH = 256, OF_OTHERS = 32, OF_ALL = 1 << 18;
   constexpr float HEIGHT = 128; // height at which the probing rays start, over the error of the point
@@ -159,7 +159,7 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
     count += isAsked(group.allGeometries()[id]);
   });
   const size_t most = std::max<size_t>(OF_ALL / std::max<size_t>(count, 1), 1);
-  std::vector<const Shape*> unseen;
+  std::set<const Shape*> unseen;
   forAll([&](GeometryGroup& group, const GeometryGroup::Instance* instance, size_t id) {
     const SceneGeometry& g = group.allGeometries()[id];
     const bool passes = passesLight(g);
@@ -167,7 +167,8 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
     if (!g.shape->isQuicklySampled()) return group.hide(id, passes ? OPAQUE : 0u);
     const size_t points = std::min(most, g.mesh ? OF_MESH : OF_OTHERS);
     size_t hidden = 0, asked = 0;
-    // The first hidden point marks a surface. The next ones tell whether all of it is hidden.
+    // One hidden point of a surface that light passes is enough to mark it. Further points then only tell
+    // whether all of it is hidden.
     while (asked < points && (!passes || hidden == asked || hidden == 0)) {
       Sampler sampler(0, id, asked++);
       const float pick = sampler.next1D();
@@ -180,19 +181,17 @@ std::vector<const Shape*> EmbreeScene::findTouching() {
                                              roundingBound(1) * glm::length(hit.point.position));
       const Ray down{hit.point.position + normal * height, -normal, INFINITE, 0};
       hit.t = glm::dot(down.origin - hit.point.position, normal);
-      const PositionHit found = inSamePlace(down, hit, passes ? OPAQUE | LAMP : OPAQUE, Wanted::PLACE, other);
-      if (found.geometry == RTC_INVALID_GEOMETRY_ID) continue;
+      const auto found = inSamePlace(down, hit, passes ? OPAQUE | LAMP : OPAQUE, Wanted::PLACE, other);
+      if (!found) continue;
       ++hidden;
       if (passes)
         group.hide(id, OPAQUE | LAMP);
-      else if (found.instance == RTC_INVALID_GEOMETRY_ID)
-        top.hide(found.geometry, LAMP);
       else
-        changeable.at(top.instance(found.instance).group)->hide(found.geometry, LAMP);
+        changeable.at(&groupOf(*found))->hide(found->geometry, LAMP);
     }
     if (!instance && passes && hidden == points && points >= OF_OTHERS && !g.media.isBoundary() &&
         !shapesMove)
-      unseen.push_back(g.shape);
+      unseen.insert(g.shape);
   });
   return unseen;
 }
@@ -204,8 +203,7 @@ void EmbreeScene::complete(const PositionHit& position, const Ray& ray, Wanted w
   // the floor. Without the second, a lamp in the plane of a ceiling would be dark where the ceiling is hit
   // first.
   const unsigned mask = isOpaque(hit.material) ? g.hiddenBy & LAMP : g.hiddenBy;
-  if (Hit other; mask && inSamePlace(ray, hit, mask, wanted, other).geometry != RTC_INVALID_GEOMETRY_ID)
-    hit = other;
+  if (Hit other; mask && inSamePlace(ray, hit, mask, wanted, other)) hit = other;
 }
 
 const SceneGeometry& EmbreeScene::computeHit(const PositionHit& position, float time, Wanted wanted,

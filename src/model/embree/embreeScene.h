@@ -5,6 +5,8 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
+#include <set>
 
 #include "model/builder/moving.h"
 #include "model/embree/embree.h"
@@ -126,22 +128,25 @@ class EmbreeScene final : public Scene {
   PositionHit nearest(const Ray& ray, unsigned mask, float tMin = 0) const;
   /** Finds the nearest hits of up to GROUP rays. */
   void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
+  /** Group of the geometry that was hit. */
+  const GeometryGroup& groupOf(const PositionHit& position) const;
   const TriangleMesh* meshOf(const PositionHit& position) const;
   /** Parts of a hit to be computed: the whole surface point, or only its position. */
   enum class Wanted { SURFACE, PLACE };
   /** Finds the nearest surface for rays of a mask. */
   bool find(const Ray& ray, unsigned mask, Wanted wanted, Hit& hit) const;
-  /** Completes a hit, or that of a surface which hides it in the same place. */
+  /** Completes a hit. If another surface hides it in the same place, the hit is on that one. */
   void complete(const PositionHit& position, const Ray& ray, Wanted wanted, Hit& hit) const;
   /** Computes the members of a hit. Returns the geometry. */
   const SceneGeometry& computeHit(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
   /** Finds a surface of `mask` in the same place as a hit on another one: nearer than the errors of both
-   * positions. Its geometry is RTC_INVALID_GEOMETRY_ID if there is none. */
-  PositionHit inSamePlace(const Ray& ray, const Hit& hit, unsigned mask, Wanted wanted, Hit& other) const;
+   * positions. */
+  std::optional<PositionHit> inSamePlace(const Ray& ray, const Hit& hit, unsigned mask, Wanted wanted,
+                                         Hit& other) const;
   /** Sets SceneGeometry::hiddenBy by points on the surfaces that light passes, and on lamps. Returns the
    * shapes outside of instances of which no point is seen; none where shapes move, or where they are the
    * boundaries of media. */
-  std::vector<const Shape*> findTouching();
+  std::set<const Shape*> findTouching();
 
   std::shared_ptr<const EmbreeDevice> device;
   bool packets; ///< Embree supports packets of 8 rays on this processor

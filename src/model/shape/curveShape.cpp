@@ -54,8 +54,9 @@ std::optional<HitParameters> CurveShape::parametersOf(uint32_t segment, float u,
   Vec3d normal = perpendicular(-d, along);
   const Vec3d across = glm::cross(along, normal), met = Vec3d(origin) + d * double(t);
   double v = c.radius > 0 ? std::clamp(glm::dot(met - c.position, across) / c.radius, -1.0, 1.0) : 0;
-  // A ribbon is narrowed as in pbrt-v4 by the cosine of normal and ray. The normal is that of the surface,
-  // perpendicular to the curve: photons that arrive at a cosine of zero would be infinitely bright.
+  // The cosine of normal and ray narrows a ribbon, as in pbrt-v4. The normal is made perpendicular to the
+  // curve first, as that of the surface is: with another one, photons would arrive at a surface cosine of
+  // zero, where hair divides by it.
   if (curveKind == Kind::RIBBON) {
     const Vec3d n0 = ends[2 * segment], n1 = ends[2 * segment + 1];
     const double angle = std::acos(std::clamp(glm::dot(n0, n1), -1.0, 1.0)), sine = std::sin(angle);

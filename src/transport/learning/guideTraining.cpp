@@ -180,8 +180,8 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
   constexpr size_t MAX_RECORDS = 200'000;              // 10 MB; more records improve no scene tried
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
   constexpr int TRIAL = 2;                             // last stage of a guide that gains little
-  // Processor time of a guided path over that of a plain one. Without media it is a mean of seven scenes, and
-  // plain paths are traced in batches, which makes them faster.
+  // Ratios of the processor times of guided and plain paths. The first is the mean of seven scenes without
+  // media, where plain paths are traced in batches and are faster.
   constexpr double TIME_RATIO = 1.7, TIME_RATIO_IN_MEDIA = 1.3;
   if (pass.index == 0) {
     stage = -1;
